@@ -1,0 +1,1 @@
+"""The solver: numpy and shapely, never QGIS."""

@@ -1,0 +1,103 @@
+"""Lengths and areas: in the plane, or on the ellipsoid for longitudes and latitudes.
+
+A metric is three functions of vertex coordinates, so that no other stage needs to know what the
+coordinates mean. On an ellipsoid
+
+* a length is that of the geodesic, from the chord through the ellipsoid (error below 0.02 %,
+  and below 1e-5 for edges up to 1,000 km);
+* areas are those of the ellipsoid, in a cylindrical equal-area map;
+* the Delaunay property is that of the Mercator projection: it is conformal, and it keeps
+  parallels and meridians straight.
+"""
+
+from __future__ import annotations
+
+from typing import Callable, NamedTuple
+
+import numpy as np
+
+__all__ = ["Metric", "ellipsoidal", "planar"]
+
+
+class Metric(NamedTuple):
+    """How to measure.
+
+    Attributes
+    ----------
+    positions : callable
+        ``(n, 2)`` coordinates to an ``(n, k)`` array of positions.
+    length : callable
+        ``(positions, u, v)`` to the lengths of the edges u-v, in units of the ground.
+    equal_area : callable
+        ``(n, 2)`` coordinates to ``(n, 2)`` coordinates of a plane with true areas.
+    conformal : callable or None
+        ``(n, 2)`` coordinates to the plane to triangulate in; None for the input's own plane.
+    """
+
+    positions: Callable
+    length: Callable
+    equal_area: Callable
+    conformal: Callable | None
+
+
+def planar():
+    """Return the metric of projected coordinates."""
+    return Metric(_same, _planar_length, _same, None)
+
+
+def ellipsoidal(a=6378137.0, b=6356752.314245179):
+    """Return the metric of longitude and latitude in degrees on an ellipsoid.
+
+    Parameters
+    ----------
+    a, b : float
+        Equatorial and polar radius in metres (default WGS 84).
+    """
+    e2 = 1.0 - (b / a) ** 2
+    e = np.sqrt(e2)
+    radius = (2.0 * a + b) / 3.0
+
+    def positions(xy):
+        lon, lat = np.radians(xy[:, 0]), np.radians(xy[:, 1])
+        normal = a / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
+        flat = normal * np.cos(lat)
+        return np.column_stack(
+            (flat * np.cos(lon), flat * np.sin(lon), normal * (1.0 - e2) * np.sin(lat))
+        )
+
+    def length(position, u, v):
+        d = position[u]
+        d -= position[v]
+        chord = np.sqrt(np.einsum("ij,ij->i", d, d))
+        # arc over the chord on the mean sphere; a nanometre keeps distinct vertices apart
+        arc = 2.0 * radius * np.arcsin(np.minimum(chord / (2.0 * radius), 1.0))
+        return np.maximum(arc, 1e-9)
+
+    def authalic(sin_lat):
+        if e2 <= 0.0:
+            return sin_lat
+        return (1.0 - e2) / 2.0 * (
+            sin_lat / (1.0 - e2 * sin_lat**2) + np.arctanh(e * sin_lat) / e
+        )
+
+    def equal_area(xy):
+        return a * np.column_stack((np.radians(xy[:, 0]), authalic(np.sin(np.radians(xy[:, 1])))))
+
+    def conformal(xy):
+        sin_lat = np.sin(np.radians(xy[:, 1]))
+        isometric = np.arctanh(sin_lat)
+        if e2 > 0.0:
+            isometric -= e * np.arctanh(e * sin_lat)
+        return np.column_stack((xy[:, 0], np.degrees(isometric)))
+
+    return Metric(positions, length, equal_area, conformal)
+
+
+def _same(xy):
+    return xy
+
+
+def _planar_length(position, u, v):
+    d = position[u]
+    d -= position[v]
+    return np.hypot(d[:, 0], d[:, 1])

@@ -1,0 +1,163 @@
+"""Second stage: the diagonals of a constrained Delaunay triangulation.
+
+Two engines: ``triangle`` (Shewchuk's Triangle) where it is installed, else shapely's. Triangle
+crashes or hangs on some invalid input, so only polygons that have passed `polygon.from_rings` may
+come here, and every answer is checked.
+"""
+
+from __future__ import annotations
+
+import importlib
+
+import numpy as np
+import shapely
+
+from .errors import MissingEngine, Unsolvable
+from .polygon import ring_polygon
+
+__all__ = ["INSTALL_HINT", "diagonals", "engine_name", "missing_packages"]
+
+INSTALL_HINT = (
+    'python3 -m pip install --no-deps "shapely>=2.1" triangle'
+)
+
+
+def missing_packages():
+    """Return a sentence that says what is missing, or '' if polygons can be triangulated."""
+    if not hasattr(shapely, "get_coordinates"):  # shapely 1.x imports, but is another library
+        return f"shapely 2 is needed, and {shapely.__version__} is installed"
+    return "" if engine_name() else (
+        f"either triangle, or shapely 2.1 instead of {shapely.__version__}, is needed"
+    )
+
+
+def engine_name():
+    """Return 'triangle', 'shapely', or '' where no triangulation is available."""
+    if _triangle():
+        return "triangle"
+    return "shapely" if hasattr(shapely, "constrained_delaunay_triangles") else ""
+
+
+def diagonals(polygon, conformal=None, engine=None):
+    """Return the inner edges of a constrained Delaunay triangulation of a polygon.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    conformal : callable, optional
+        Map of coordinates to the plane whose circles count (see `metric.Metric`). Where the
+        triangulation of that plane is none of the polygon's own plane, because straight edges
+        bend under the map, the polygon's own plane is used.
+    engine : {'triangle', 'shapely'}, optional
+        Default: the first that is installed.
+
+    Returns
+    -------
+    (m, 2) int
+        Vertex indices u < v of the n + 3 (h - 1) diagonals, u ascending, then v descending.
+
+    Raises
+    ------
+    MissingEngine
+        If no engine is installed.
+    Unsolvable
+        If no engine returns a triangulation of this polygon.
+
+    Notes
+    -----
+    O(n log n) (Triangle's divide and conquer), and a sort.
+    """
+    engine = engine or engine_name()
+    if not engine:
+        raise MissingEngine(f"{missing_packages()}. Install: {INSTALL_HINT}")
+    engines = [engine] + ["shapely"] * (
+        engine == "triangle" and hasattr(shapely, "constrained_delaunay_triangles")
+    )
+    planes = [polygon.xy]
+    if conformal is not None:
+        bent = _bent(polygon, conformal)
+        if bent is not None:
+            planes.insert(0, bent)
+    for plane in planes:
+        for name in engines:
+            triangles = (_by_triangle if name == "triangle" else _by_shapely)(polygon, plane)
+            edges = _checked_edges(polygon, triangles)
+            if edges is not None and (plane is polygon.xy or _same_sides(polygon.xy, triangles)):
+                return edges
+    raise Unsolvable("the polygon could not be triangulated (too fine for double precision)")
+
+
+def _triangle():
+    try:
+        return importlib.import_module("triangle")
+    except ImportError:
+        return None
+
+
+def _bent(polygon, conformal):
+    """The vertices in the conformal plane, or None where the polygon does not survive the map."""
+    with np.errstate(all="ignore"):
+        plane = conformal(polygon.xy * polygon.unit)
+    if not np.isfinite(plane).all():  # a pole
+        return None
+    # Triangle may hang on holes that overlap the shell, but not on a single ring
+    if len(polygon.offsets) > 2 and not shapely.is_valid(ring_polygon(polygon, plane)):
+        return None
+    return plane
+
+
+def _by_triangle(polygon, plane):
+    segments = np.column_stack((polygon.vertex, polygon.vertex[polygon.next_corner]))
+    graph = {"vertices": plane, "segments": segments.astype(np.int32)}
+    if len(polygon.offsets) > 2:
+        shape = ring_polygon(polygon, plane)
+        holes = shapely.polygons(shapely.get_rings(shape)[1:])
+        graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
+    # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
+    answer = _triangle().triangulate(graph, "pQBPN")
+    return answer.get("triangles", np.empty((0, 3), dtype=np.int32))
+
+
+def _by_shapely(polygon, plane):
+    shape = ring_polygon(polygon, plane)
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
+    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
+    # as complex numbers, points have numpy's lexicographic order
+    key = np.ascontiguousarray(plane + 0.0).view(np.complex128).ravel()
+    order = np.argsort(key)
+    place = np.searchsorted(key, np.ascontiguousarray(corners).view(np.complex128).ravel(),
+                            sorter=order)
+    return order[np.minimum(place, len(key) - 1)].reshape(-1, 3)[:, ::-1]
+
+
+def _checked_edges(polygon, triangles):
+    """The diagonals of the triangles, or None if these are no triangulation of the polygon."""
+    n, corners = len(polygon.xy), len(polygon.vertex)
+    holes = len(polygon.offsets) - 2 - (corners - n)  # a hole that touches is part of a ring
+    if len(triangles) != corners + 2 * holes - 2 or triangles.max() >= n:
+        return None
+    a = triangles.ravel()
+    b = triangles[:, [1, 2, 0]].ravel()
+    vertex, following = polygon.vertex, polygon.vertex[polygon.next_corner]
+    next_vertex = np.empty(n, dtype=a.dtype)
+    next_vertex[vertex] = following
+    boundary = next_vertex[a] == b
+    if corners > n:  # rings touch: some vertices have several ring edges
+        boundary |= np.isin(a.astype(np.int64) * n + b, vertex * n + following)
+    if np.count_nonzero(boundary) != corners:
+        return None
+    # an inner edge borders two triangles, and runs upwards in one of them
+    inner = np.flatnonzero((a < b) & ~boundary)
+    if 2 * len(inner) + corners != len(a):
+        return None
+    a, b = a[inner].astype(np.int64), b[inner].astype(np.int64)
+    order = np.argsort(a * n + (n - 1 - b))
+    return np.column_stack((a[order], b[order]))
+
+
+def _same_sides(xy, triangles):
+    """Whether all triangles have their orientation in this plane too (so they tile it)."""
+    p, q, r = (xy[triangles[:, k]] for k in range(3))
+    left = (p[:, 0] - r[:, 0]) * (q[:, 1] - r[:, 1])
+    right = (p[:, 1] - r[:, 1]) * (q[:, 0] - r[:, 0])
+    return bool((left - right > 4e-16 * (np.abs(left) + np.abs(right))).all())
