@@ -194,26 +194,6 @@ def largest_dilation(graph, edges, length, bound, check):
     return largest
 
 
-def largest_dilation(graph, edges, length, bound, check):
-    """Largest true dilation of all edges, searching only where the upper bound may matter.
-
-    Parameters
-    ----------
-    graph, edges, length, bound
-        See `true_dilations`.
-    check : callable
-        Called now and then; may raise `Cancelled`.
-    """
-    largest = 1.0
-    for count, k in enumerate(np.argsort(-bound, kind="stable").tolist()):
-        if bound[k] <= largest:
-            break
-        if count % 256 == 0:
-            check()
-        largest = max(largest, *true_dilations(graph, edges, length, [k], bound))
-    return largest
-
-
 def drop_redundant(polygon, edge_length, edges, length, selected, bounded, tau, check):
     """Drop selected edges without which all candidates are still within tau.
 

@@ -15,20 +15,16 @@ import shapely
 from .errors import MissingEngine, Unsolvable
 from .polygon import ring_polygon
 
-__all__ = ["INSTALL_HINT", "diagonals", "engine_name", "missing_packages"]
+__all__ = ["diagonals", "engine_name", "missing_packages"]
 
-INSTALL_HINT = (
-    'python3 -m pip install --no-deps "shapely>=2.1" triangle'
-)
-
-
-def missing_packages():
-    """Return a sentence that says what is missing, or '' if polygons can be triangulated."""
-    if not hasattr(shapely, "get_coordinates"):  # shapely 1.x imports, but is another library
-        return f"shapely 2 is needed, and {shapely.__version__} is installed"
-    return "" if engine_name() else (
-        f"either triangle, or shapely 2.1 instead of {shapely.__version__}, is needed"
-    )
+def missing_packages(shapely_module=shapely):
+    """Return what is missing in a few words, or '' if polygons can be triangulated."""
+    version = shapely_module.__version__
+    if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too
+        return f"shapely 2 is needed, and {version} is installed"
+    if not engine_name():
+        return f"the package triangle, or shapely 2.1 instead of {version}, is needed"
+    return ""
 
 
 def engine_name():
@@ -69,7 +65,7 @@ def diagonals(polygon, conformal=None, engine=None):
     """
     engine = engine or engine_name()
     if not engine:
-        raise MissingEngine(f"{missing_packages()}. Install: {INSTALL_HINT}")
+        raise MissingEngine(missing_packages())
     engines = [engine] + ["shapely"] * (
         engine == "triangle" and hasattr(shapely, "constrained_delaunay_triangles")
     )
@@ -114,13 +110,19 @@ def _by_triangle(polygon, plane):
         holes = shapely.polygons(shapely.get_rings(shape)[1:])
         graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
     # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
-    answer = _triangle().triangulate(graph, "pQBPN")
-    return answer.get("triangles", np.empty((0, 3), dtype=np.int32))
+    nothing = np.empty((0, 3), dtype=np.int32)
+    try:
+        return _triangle().triangulate(graph, "pQBPN").get("triangles", nothing)
+    except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
+        return nothing
 
 
 def _by_shapely(polygon, plane):
     shape = ring_polygon(polygon, plane)
-    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
+    try:
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
+    except shapely.errors.GEOSException:
+        return np.empty((0, 3), dtype=np.int64)
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
     # as complex numbers, points have numpy's lexicographic order
     key = np.ascontiguousarray(plane + 0.0).view(np.complex128).ravel()

@@ -1,0 +1,1 @@
+"""The QGIS side: Processing tools, thin over the core."""

@@ -1,0 +1,32 @@
+"""The Processing provider ``isthmus``."""
+
+from pathlib import Path
+
+from qgis.core import QgsProcessingProvider
+from qgis.PyQt.QtGui import QIcon
+
+from .base import ICON
+from .partition import PartitionAlgorithm
+
+
+class IsthmusProvider(QgsProcessingProvider):
+    """Lists the tools."""
+
+    def id(self):
+        return "isthmus"
+
+    def name(self):
+        return "Isthmus"
+
+    def longName(self):
+        return "Isthmus: natural partitions of polygons"
+
+    def icon(self):
+        return QIcon(ICON)
+
+    def versionInfo(self):
+        text = (Path(__file__).parent.parent / "metadata.txt").read_text(encoding="utf-8")
+        return next(line[8:] for line in text.splitlines() if line.startswith("version="))
+
+    def loadAlgorithms(self):
+        self.addAlgorithm(PartitionAlgorithm())

@@ -1,0 +1,22 @@
+"""Make the repository root importable as package `isthmus`, whatever its folder is called."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def _load(name, root):
+    init = root / "__init__.py"
+    spec = importlib.util.spec_from_file_location(
+        name, init, submodule_search_locations=[str(root)]
+    )
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
+    if init.exists():
+        spec.loader.exec_module(package)
+
+
+if "isthmus" not in sys.modules:
+    _load("isthmus", ROOT)

@@ -1,0 +1,33 @@
+"""MinSize by trying all subsets of the candidates, straight from section 2 of the paper."""
+
+import numpy as np
+
+
+def fewest_cuts(points, candidates, taus):
+    """Least size of a solution for each tau, by brute force.
+
+    ``points`` is a simple polygon, ``candidates`` pairs of its indices. All 2^k subsets at once:
+    Floyd and Warshall's shortest paths, one matrix a subset.
+    """
+    points = np.asarray(points, dtype=float)
+    u, v = np.array(candidates, dtype=int).reshape(-1, 2).T
+    n, k = len(points), len(u)
+    subset = (np.arange(2**k)[:, None] >> np.arange(k)) & 1 == 1
+    direct = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
+
+    distance = np.full((2**k, n, n), np.inf)
+    around = np.arange(n)
+    distance[:, around, around] = 0.0
+    for a, b in [(around, np.roll(around, -1)), (np.roll(around, -1), around)]:
+        distance[:, a, b] = direct[a, b]
+    for c in range(k):
+        distance[subset[:, c], u[c], v[c]] = direct[u[c], v[c]]
+        distance[subset[:, c], v[c], u[c]] = direct[u[c], v[c]]
+    for via in range(n):
+        np.minimum(
+            distance, distance[:, :, via, None] + distance[:, None, via, :], out=distance
+        )
+
+    dilation = (distance[:, u, v] / direct[u, v]).max(axis=1, initial=1.0)
+    size = subset.sum(axis=1)
+    return [int(size[dilation <= tau * (1 + 1e-9)].min()) for tau in taus]
