@@ -134,19 +134,26 @@ def detours(polygon, edge_length, edges, length):
     -----
     O(n + k), but for one shortest-path search for each edge between rings that touch.
     """
-    graph = boundary_graph(polygon, edge_length, edges, length, np.empty(0, dtype=np.int64))
+    ring, passed = polygon.ring_of_corner, np.append(0.0, np.cumsum(edge_length))
+    along = np.empty(len(polygon.xy))
+    along[polygon.vertex] = passed[:-1]
+    ring_of = np.empty(len(polygon.xy), dtype=np.int64)
+    ring_of[polygon.vertex] = ring
+    perimeter = np.diff(passed[polygon.offsets])
     u, v = edges.T
-    arc = np.abs(graph.along[u] - graph.along[v])
-    path = np.where(
-        graph.ring[u] == graph.ring[v], np.minimum(arc, graph.perimeter[u] - arc), np.inf
-    )
-    # where rings touch, a vertex may lie on several rings, and a path may use them
-    touches = np.zeros(len(polygon.offsets) - 1, dtype=bool)
-    touches[polygon.ring_of_corner[np.bincount(polygon.vertex)[polygon.vertex] > 1]] = True
-    search = touches[graph.ring[u]] & touches[graph.ring[v]]
-    search &= (graph.ring[u] != graph.ring[v]) | (graph.node[u] >= 0) | (graph.node[v] >= 0)
-    for k in np.flatnonzero(search).tolist():
-        path[k] = _distance(graph, u[k], v[k], np.inf)
+    arc = np.abs(along[u] - along[v])
+    same = ring_of[u] == ring_of[v]
+    path = np.where(same, np.minimum(arc, perimeter[ring_of[u]] - arc), np.inf)
+    if len(polygon.vertex) > len(polygon.xy):
+        # where rings touch, a vertex may lie on several, and a path may use them all
+        nothing = np.empty(0, dtype=np.int64)
+        graph = boundary_graph(polygon, edge_length, edges, length, nothing)
+        touches = np.zeros(len(perimeter), dtype=bool)
+        touches[ring[graph.node[polygon.vertex] >= 0]] = True
+        search = touches[ring_of[u]] & touches[ring_of[v]]
+        search &= ~same | (graph.node[u] >= 0) | (graph.node[v] >= 0)
+        for k in np.flatnonzero(search).tolist():
+            path[k] = _distance(graph, u[k], v[k], np.inf)
     return path / length
 
 

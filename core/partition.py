@@ -144,8 +144,7 @@ def partition(
     length = measure.length(position, edges[:, 0], edges[:, 1])
     tree = spanning_tree(polygon, component, edges, length, wanted)
     bounded = length * polygon.unit >= min_length
-    needed = bounded.copy()
-    needed[tree] = True
+    needed = bounded | _mask(tree, len(edges))
     if accepted is not None:
         accepted = accepted._replace(edge_line=accepted.edge_line[kept][needed])
     tree = np.searchsorted(np.flatnonzero(needed), tree)
@@ -157,8 +156,8 @@ def partition(
     # solve on the carved polygon
     carved = _carve(polygon, component, wanted, position, measure, edges, length, tree)
     check(0.7)
-    cut = min_size(carved.net, tau, check) == SELF
-    selected = np.sort(np.append(tree, carved.free[carved.net.tree.diagonal[cut[1:]]]))
+    cut = min_size(carved.net, tau, check)[1:] == SELF
+    selected = np.sort(np.append(tree, carved.free[carved.net.tree.diagonal[cut]]))
     check(0.8)
 
     # what the carved polygon cannot know: a path may pass a hole on its other side
@@ -187,12 +186,12 @@ def partition(
 
     result = build_parts(polygon, carved.walk, selected, tree, measure.equal_area)
     check(1.0)
-    corner = np.empty(len(polygon.xy), dtype=np.int64)
-    corner[polygon.vertex] = np.arange(len(polygon.vertex))
+    row = np.empty(len(polygon.xy), dtype=np.int64)
+    row[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
     return Partition(
         polygon=polygon,
         edges=edges,
-        edge_rows=polygon.rows[polygon.row_start[corner[edges]]],
+        edge_rows=row[edges],
         length=length * polygon.unit,
         detour=detour,
         dilation=dilation if all_dilations or not holes else None,
@@ -213,11 +212,17 @@ class _Carved(NamedTuple):
 
 def _carve(polygon, component, wanted, position, measure, edges, length, tree):
     walk = carve(polygon, component, edges, tree, wanted)
-    free = np.setdiff1d(np.arange(len(edges)), tree)
+    free = np.flatnonzero(~_mask(tree, len(edges)))
     at = polygon.vertex[walk.corner]
     steps = measure.length(position, at, np.roll(at, -1))
     dual = build_tree(len(at), walk.i[free], walk.j[free])
     return _Carved(walk, free, network(dual, steps[-1], steps[:-1], length[free]))
+
+
+def _mask(indices, size):
+    mask = np.zeros(size, dtype=bool)
+    mask[indices] = True
+    return mask
 
 
 def _witnesses(carved, length, selected, check):
@@ -225,7 +230,7 @@ def _witnesses(carved, length, selected, check):
     edge = carved.free[carved.net.tree.diagonal]
     role = np.full(len(length), SELF, dtype=np.int8)
     dilation = np.ones(len(length))
-    cut = np.append(True, np.isin(edge, selected))
+    cut = np.append(True, _mask(selected, len(length))[edge])
     below, above = witness_lengths(carved.net, cut, check)
     others = ~cut[1:]
     edge, below, above = edge[others], below[1:][others], above[1:][others]

@@ -185,9 +185,12 @@ def _canonical_ring(xy, rows, start, reverse):
     if reverse:
         start = np.append(0, len(rows) - start[:0:-1])
         rows = rows[::-1]
-    corner = xy[rows[start]]
-    first = start[np.lexsort((corner[:, 1], corner[:, 0]))[0]]
-    return np.roll(rows, -first), np.sort((start - first) % len(rows))
+    x, y = xy[rows[start]].T
+    leftmost = np.flatnonzero(x == x.min())
+    first = start[leftmost[np.argmin(y[leftmost])]]
+    return np.roll(rows, -first), np.concatenate(
+        (start[start >= first] - first, start[start < first] + (len(rows) - first))
+    )
 
 
 def _first_two(xy, rows, start):
