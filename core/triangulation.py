@@ -7,8 +7,6 @@ come here, and every answer is checked.
 
 from __future__ import annotations
 
-import importlib
-
 import numpy as np
 import shapely
 
@@ -85,9 +83,10 @@ def diagonals(polygon, conformal=None, engine=None):
 
 def _triangle():
     try:
-        return importlib.import_module("triangle")
+        import triangle
     except ImportError:
         return None
+    return triangle
 
 
 def _bent(polygon, conformal):
