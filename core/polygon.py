@@ -165,7 +165,7 @@ def signed_areas(xy, offsets):
 def _scaled(xy):
     """Bring extreme magnitudes to about 1, by a power of two: exact."""
     largest = np.abs(xy).max()
-    if 1e-100 < largest < 1e100:
+    if 1e-50 < largest < 1e50:
         return xy, 1.0
     exponent = int(np.frexp(largest)[1]) if largest > 0 else 0
     return np.ldexp(xy, -exponent), float(np.ldexp(1.0, exponent))

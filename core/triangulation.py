@@ -15,6 +15,7 @@ from .polygon import ring_polygon
 
 __all__ = ["diagonals", "engine_name", "missing_packages"]
 
+
 def missing_packages(shapely_module=shapely):
     """Return what is missing in a few words, or '' if polygons can be triangulated."""
     version = shapely_module.__version__
@@ -93,7 +94,10 @@ def _bent(polygon, conformal):
     """The vertices in the conformal plane, or None where the polygon does not survive the map."""
     with np.errstate(all="ignore"):
         plane = conformal(polygon.xy * polygon.unit)
-    if not np.isfinite(plane).all():  # a pole
+    if not (np.abs(plane) < 1e50).all():  # a pole, or no degrees at all
+        return None
+    points = np.sort(np.ascontiguousarray(plane).view(np.complex128).ravel())
+    if (points[1:] == points[:-1]).any():  # vertices that rounding makes one crash Triangle
         return None
     # Triangle may hang on holes that overlap the shell, but not on a single ring
     if len(polygon.offsets) > 2 and not shapely.is_valid(ring_polygon(polygon, plane)):
@@ -102,6 +106,10 @@ def _bent(polygon, conformal):
 
 
 def _by_triangle(polygon, plane):
+    nothing = np.empty((0, 3), dtype=np.int32)
+    magnitude = np.abs(plane)
+    if magnitude.min(where=magnitude > 0.0, initial=1.0) < 1e-70:
+        return nothing  # its arithmetic multiplies four of them: underflow, and a crash
     segments = np.column_stack((polygon.vertex, polygon.vertex[polygon.next_corner]))
     graph = {"vertices": plane, "segments": segments.astype(np.int32)}
     if len(polygon.offsets) > 2:
@@ -109,7 +117,6 @@ def _by_triangle(polygon, plane):
         holes = shapely.polygons(shapely.get_rings(shape)[1:])
         graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
     # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
-    nothing = np.empty((0, 3), dtype=np.int32)
     try:
         return _triangle().triangulate(graph, "pQBPN").get("triangles", nothing)
     except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
