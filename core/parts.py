@@ -91,7 +91,8 @@ def build_parts(polygon, walk, selected, tree, equal_area):
     if not is_cut.all():
         sides[~is_cut] = rank[_faces_of_tree(walk, faces.edge_face, np.searchsorted(
             tree, selected[~is_cut]))]
-    area = np.sort(area)[::-1] * polygon.unit * polygon.unit
+    with np.errstate(over="ignore"):
+        area = np.sort(area)[::-1] * polygon.unit * polygon.unit
     return Parts(_rows(polygon, rank[owner], corners, offsets, count), area, sides)
 
 
