@@ -7,6 +7,8 @@ from qgis.PyQt.QtGui import QIcon
 
 from .base import ICON
 from .partition import PartitionAlgorithm
+from .partition_budget import PartitionBudgetAlgorithm
+from .tradeoff import TradeoffAlgorithm
 
 
 class IsthmusProvider(QgsProcessingProvider):
@@ -29,4 +31,5 @@ class IsthmusProvider(QgsProcessingProvider):
         return next(line[8:] for line in text.splitlines() if line.startswith("version="))
 
     def loadAlgorithms(self):
-        self.addAlgorithm(PartitionAlgorithm())
+        for tool in (PartitionAlgorithm, PartitionBudgetAlgorithm, TradeoffAlgorithm):
+            self.addAlgorithm(tool())

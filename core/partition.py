@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import metric
-from .candidates import Lines, from_lines, selectable
+from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .cuts import boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
@@ -19,7 +19,6 @@ from .errors import Cancelled
 from .objective import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .parts import Parts, build_parts
 from .polygon import Polygon, from_rings
-from .triangulation import diagonals
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
 
@@ -61,6 +60,13 @@ class Prepared(NamedTuple):
     edge_length: np.ndarray
     carved: Carved
     lines: Lines | None
+
+    @property
+    def edge_rows(self):
+        """(k, 2) int: input rows at the ends of the edges."""
+        row = np.empty(len(self.polygon.xy), dtype=np.int64)
+        row[self.polygon.vertex] = self.polygon.rows[self.polygon.row_start[:-1]]
+        return row[self.edges]
 
     @property
     def has_holes(self):
@@ -262,15 +268,17 @@ def prepare(
     polygon = from_rings(coords, offsets)
     position = measure.positions(polygon.xy)
     check(0.15)
+    component = components(polygon)
+    wanted, attachable = counted(polygon, component, measure.equal_area, min_hole)
     if lines is None:
-        accepted, edges = None, diagonals(polygon, measure.conformal, engine)
+        accepted = None
+        edges = from_triangulation(polygon, component, wanted, measure.conformal, engine)
     else:
         accepted = from_lines(polygon, lines)
         edges = accepted.edges
     check(0.8)
 
-    component = components(polygon)
-    wanted, kept = selectable(polygon, component, edges, measure.equal_area, min_hole)
+    kept = attachable[edges].all(axis=1)
     edges = edges[kept]
     length = measure.length(position, edges[:, 0], edges[:, 1])
     tree = spanning_tree(polygon, component, edges, length, wanted)
@@ -361,12 +369,10 @@ def finish(prepared, selection, all_dilations=False, check=None):
             _graph(prepared, selection.selected), prepared.edges, prepared.length, dilation, check
         ) if all_dilations else None
     check()
-    row = np.empty(len(polygon.xy), dtype=np.int64)
-    row[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
     return Partition(
         polygon=polygon,
         edges=prepared.edges,
-        edge_rows=row[prepared.edges],
+        edge_rows=prepared.edge_rows,
         length=prepared.length * polygon.unit,
         detour=prepared.detour,
         dilation=dilation,

@@ -124,18 +124,23 @@ def _by_triangle(polygon, plane):
 
 
 def _by_shapely(polygon, plane):
-    shape = ring_polygon(polygon, plane)
-    try:
-        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
-    except shapely.errors.GEOSException:
-        return np.empty((0, 3), dtype=np.int64)
-    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-    # as complex numbers, points have numpy's lexicographic order
-    key = np.ascontiguousarray(plane + 0.0).view(np.complex128).ravel()
-    order = np.argsort(key)
-    place = np.searchsorted(key, np.ascontiguousarray(corners).view(np.complex128).ravel(),
-                            sorter=order)
-    return order[np.minimum(place, len(key) - 1)].reshape(-1, 3)[:, ::-1]
+    # GEOS joins holes from the left; where they touch, it fails now and then, but not mirrored
+    for flip in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+        mirrored = plane * flip + 0.0
+        shape = ring_polygon(polygon, mirrored)
+        try:
+            triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
+        except shapely.errors.GEOSException:
+            continue
+        corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
+        # as complex numbers, points have numpy's lexicographic order
+        key, corners = (np.ascontiguousarray(x).view(np.complex128).ravel()
+                        for x in (mirrored, corners))
+        order = np.argsort(key)
+        place = np.searchsorted(key, corners, sorter=order)
+        triangles = order[np.minimum(place, len(key) - 1)].reshape(-1, 3)
+        return triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1]
+    return np.empty((0, 3), dtype=np.int64)
 
 
 def _checked_edges(polygon, triangles):

@@ -30,4 +30,4 @@ def fewest_cuts(points, candidates, taus):
 
     dilation = (distance[:, u, v] / direct[u, v]).max(axis=1, initial=1.0)
     size = subset.sum(axis=1)
-    return [int(size[dilation <= tau * (1 + 1e-9)].min()) for tau in taus]
+    return [int(size[dilation <= tau * (1 + 1e-12)].min()) for tau in taus]
