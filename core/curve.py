@@ -32,8 +32,8 @@ def paying_steps(tau, cost, most=5):
     """
     hull = []
     for k in range(len(tau)):
-        while len(hull) > 1 and _slope(tau, cost, hull[-2], hull[-1]) >= _slope(
-            tau, cost, hull[-1], k
+        while len(hull) > 1 and (  # steps in line with their neighbours stay, noise apart
+            _slope(tau, cost, hull[-2], hull[-1]) > _slope(tau, cost, hull[-1], k) * (1.0 - 1e-9)
         ):
             hull.pop()
         hull.append(k)
