@@ -86,6 +86,9 @@ class PartitionAlgorithm(CuttingTool):
             tau = tau_of(feature)
             if not 1.0 <= tau < float("inf"):
                 raise Unsolvable(f"tau must be a number of at least 1, and is {tau:g}")
-            return [select(task.prepared, tau, task.weight, max_gap, check) for task in tasks]
+            return [
+                select(task.prepared, tau, task.weight, max_gap, check, with_dilation=False)
+                for task in tasks
+            ]
 
         return choose

@@ -110,15 +110,15 @@ class Selection(NamedTuple):
         With a T that is part of S.
     cost, lower_bound : float
         What S costs, and what a solution for the carved polygon must cost.
-    dilation : float
-        The largest dilation of a candidate in P and S.
+    dilation : float or None
+        The largest dilation of a candidate in P and S, if it was asked for.
     """
 
     selected: np.ndarray
     carved: Carved
     cost: float
     lower_bound: float
-    dilation: float
+    dilation: float | None
 
 
 class Partition(NamedTuple):
@@ -236,7 +236,7 @@ def partition(
         coords, offsets, min_length, min_hole, lines, measure, engine, _stretch(check, 0.0, 0.65)
     )
     weight = None if weigh is None else weigh(prepared)
-    selection = select(prepared, tau, weight, max_gap, _stretch(check, 0.65, 0.9))
+    selection = select(prepared, tau, weight, max_gap, _stretch(check, 0.65, 0.9), False)
     result = finish(prepared, selection, all_dilations, _stretch(check, 0.9, 1.0))
     check(1.0)
     return result
@@ -306,7 +306,7 @@ def prepare(
     return prepared._replace(carved=_carve(prepared, tree))
 
 
-def select(prepared, tau, weight=None, max_gap=0.001, check=None):
+def select(prepared, tau, weight=None, max_gap=0.001, check=None, with_dilation=True):
     """Choose the edges to cut.
 
     Parameters
@@ -320,6 +320,8 @@ def select(prepared, tau, weight=None, max_gap=0.001, check=None):
         For MinWeight: largest accepted gap between cost and lower bound, as a share of the cost.
     check : callable, optional
         Called now and then; may raise `Cancelled`.
+    with_dilation : bool
+        Whether ``dilation`` is wanted.
 
     Returns
     -------
@@ -340,7 +342,10 @@ def select(prepared, tau, weight=None, max_gap=0.001, check=None):
     check(0.8)
     if prepared.has_holes:
         selected, carved = _without_redundant(prepared, carved, selected, tau, weight, check)
-    dilation = _largest_dilation(prepared, carved, selected, check)
+    dilation = None
+    if with_dilation:
+        _, bound = _witnesses(prepared, carved, selected, check)
+        dilation = _largest_dilation(prepared, selected, bound, check)
     cost = float(len(selected) if weight is None else weight[selected].sum())
     return Selection(selected, carved, cost, min(lower_bound, cost), dilation)
 
@@ -364,6 +369,9 @@ def finish(prepared, selection, all_dilations=False, check=None):
     check = check or _nothing
     polygon, carved = prepared.polygon, selection.carved
     role, dilation = _witnesses(prepared, carved, selection.selected, check)
+    largest = selection.dilation
+    if largest is None:
+        largest = _largest_dilation(prepared, selection.selected, dilation, check)
     if prepared.has_holes:
         dilation = true_dilations(
             _graph(prepared, selection.selected), prepared.edges, prepared.length, dilation, check
@@ -376,7 +384,7 @@ def finish(prepared, selection, all_dilations=False, check=None):
         length=prepared.length * polygon.unit,
         detour=prepared.detour,
         dilation=dilation,
-        largest_dilation=selection.dilation,
+        largest_dilation=largest,
         cost=selection.cost,
         lower_bound=selection.lower_bound,
         role=role,
@@ -472,17 +480,17 @@ def _witnesses(prepared, carved, selected, check):
     return role, dilation
 
 
-def _largest_dilation(prepared, carved, selected, check):
+def _largest_dilation(prepared, selected, bound, check):
+    """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
     bounded = prepared.bounded
-    _, dilation = _witnesses(prepared, carved, selected, check)
     if not prepared.has_holes:
-        return float(dilation[bounded].max(initial=1.0))
+        return float(bound[bounded].max(initial=1.0))
     return float(
         largest_dilation(
             _graph(prepared, selected),
             prepared.edges[bounded],
             prepared.length[bounded],
-            dilation[bounded],
+            bound[bounded],
             check,
         )
     )
