@@ -9,6 +9,7 @@ from qgis.core import (
     QgsExpression,
     QgsExpressionContextScope,
     QgsFeature,
+    QgsFeatureRequest,
     QgsProcessingUtils,
 )
 
@@ -275,13 +276,18 @@ def weigh_by_expression(text, source, lines, context):
     return weigh
 
 
-def expression_problem(text):
-    """Return why an expression cannot be used, or ''."""
+def expression_problem(text, all_fields):
+    """Return why an expression with the fields of some layers cannot be used, or ''."""
     if not text.strip():
         return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
     expression = QgsExpression(text)
     if expression.hasParserError():
         return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
+    known = {name for fields in all_fields for name in QgsProcessingUtils.combineFields(
+        fields, fields).names()}
+    unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
+    if unknown:
+        return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
     return ""
 
 
