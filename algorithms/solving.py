@@ -277,14 +277,15 @@ def weigh_by_expression(text, source, lines, context):
 
 
 def expression_problem(text, all_fields):
-    """Return why an expression with the fields of some layers cannot be used, or ''."""
+    """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
     if not text.strip():
         return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
     expression = QgsExpression(text)
     if expression.hasParserError():
         return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
-    known = {name for fields in all_fields for name in QgsProcessingUtils.combineFields(
-        fields, fields).names()}
+    known = set(all_fields[0].names())
+    if len(all_fields) > 1:  # as the candidates have them
+        known = set(QgsProcessingUtils.combineFields(*all_fields).names())
     unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
     if unknown:
         return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
