@@ -5,8 +5,10 @@ from pathlib import Path
 from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
+from .aggregate import AggregateAlgorithm
 from .base import ICON
 from .partition import PartitionAlgorithm
+from .prepare_aggregation import PrepareAggregationAlgorithm
 
 
 class IsthmusProvider(QgsProcessingProvider):
@@ -30,3 +32,5 @@ class IsthmusProvider(QgsProcessingProvider):
 
     def loadAlgorithms(self):
         self.addAlgorithm(PartitionAlgorithm())
+        self.addAlgorithm(PrepareAggregationAlgorithm())
+        self.addAlgorithm(AggregateAlgorithm())
