@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
 from .greedy import adjacency, best_split, greedy, helpless, reach_count
 from .instance import best_core, components, connected_parts, costs, enough, shares, solution
 
-__all__ = ["Schedule", "anneal", "annealing"]
+__all__ = ["Schedule", "annealing"]
 
 LARGEST_GROUP = 40  # areas that follow one that would cut them off
 LARGEST_EXACT = 400  # areas of a region for which every core is tried
@@ -25,8 +26,8 @@ HARD = 1e6  # price of a missing square metre when none may be missing
 EXCLUDED = 1e30  # stands for an infinite threshold: finite, so that differences are numbers
 
 
-class Schedule:
-    """How the temperature falls; times are shares of the effort, 0 to 1.
+class Schedule(NamedTuple):
+    """How it gets colder, from the first to the last step, by constant factors.
 
     Attributes
     ----------
@@ -36,11 +37,16 @@ class Schedule:
         First and last price of a missing square metre.
     """
 
-    hot, cold = 1.0, 0.01
-    soft, hard = 0.1, 1.0
+    hot: float = 1.0
+    cold: float = 0.03
+    soft: float = 0.04
+    hard: float = 30.0
 
 
-def annealing(problem, seed=0, iterations=None, seconds=None, count=None, check=None, begin=None):
+def annealing(
+    problem, seed=0, iterations=None, seconds=None, count=None, check=None, begin=None,
+    schedule=Schedule(),
+):
     """Aggregate by simulated annealing from the greedy result.
 
     Parameters
@@ -58,6 +64,7 @@ def annealing(problem, seed=0, iterations=None, seconds=None, count=None, check=
         Called now and then with the share done; may raise to stop.
     begin : Solution, optional
         Feasible, to start from instead of the greedy one.
+    schedule : Schedule, optional
 
     Returns
     -------
@@ -72,7 +79,7 @@ def annealing(problem, seed=0, iterations=None, seconds=None, count=None, check=
     state = _State(problem, start, seed, count)
     if not len(state.movable):
         return start
-    state.cool(iterations, seconds, check or (lambda share: None))
+    state.cool(iterations, seconds, schedule, check or (lambda share: None))
     found = state.settle()
     if count is not None and len(found.core) != count:
         found = reach_count(problem, found, count)
@@ -80,9 +87,6 @@ def annealing(problem, seed=0, iterations=None, seconds=None, count=None, check=
         found = state.settle()
     wrong = count is not None and abs(len(found.core) - count) > abs(len(start.core) - count)
     return start if wrong or costs(problem, found).total > costs(problem, start).total else found
-
-
-anneal = annealing
 
 
 class _State:
@@ -435,16 +439,17 @@ class _State:
         to = np.where(fresh, -1, to)
         return v[useful], to[useful]
 
-    def scale(self):
+    def scale(self, price_of_lack):
         """A typical price of a move: the median of those that cost something."""
         v, to = self.draw(20_000)
-        delta = self.price(v, to, Schedule.soft) if len(v) else np.zeros(0)
+        delta = self.price(v, to, price_of_lack) if len(v) else np.zeros(0)
         delta = delta[np.isfinite(delta) & (delta > 0)]
         return float(np.median(delta)) if len(delta) else 1.0
 
-    def cool(self, iterations, seconds, check):
+    def cool(self, iterations, seconds, schedule, check):
         """Anneal."""
-        scale = self.scale()
+        hot, cold, soft, hard = schedule
+        scale = self.scale(soft)
         m = max(8, min(4096, len(self.movable) // 4))
         began = perf_counter()
         wanted = max(4.0, self.regions / 12)
@@ -457,8 +462,8 @@ class _State:
             if share >= 1.0:
                 break
             self.batch += 1
-            temperature = scale * Schedule.hot * (Schedule.cold / Schedule.hot) ** share
-            price_of_lack = Schedule.soft * (Schedule.hard / Schedule.soft) ** min(1.0, share / 0.8)
+            temperature = scale * hot * (cold / hot) ** share
+            price_of_lack = soft * (hard / soft) ** min(1.0, share / 0.8)
             v, to = self.draw(m)
             self.priced += m
             applied = self.applied
