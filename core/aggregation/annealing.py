@@ -298,7 +298,7 @@ class _State:
         return True
 
     def recore(self, price_of_lack):
-        """Give the regions that changed their best cores, all at once."""
+        """Give the regions that changed their best cores, all at once; return who got one."""
         p, changed = self.problem, sorted(self.dirty)
         self.dirty.clear()
         for r in [r for r in changed if len(self.members[r]) > LARGEST_EXACT]:
@@ -312,7 +312,7 @@ class _State:
         lists = [sorted(self.members[r]) for r in changed if len(self.members[r]) <= LARGEST_EXACT]
         changed = np.array([self.labels[one[0]] for one in lists], dtype=np.int64)
         if not len(changed):
-            return
+            return []
         count = np.array([len(one) for one in lists])
         members = np.array([v for one in lists for v in one])
         first = np.cumsum(count) - count
@@ -328,7 +328,7 @@ class _State:
         now = np.flatnonzero(members == self.core[changed][group])
         least = np.minimum.reduceat(cost, first)
         better = np.flatnonzero(least < cost[now] - 1e-9 * np.abs(cost[now]))
-        touched = set()
+        touched, got = set(), []
         for k in better.tolist():
             best = members[first[k] + int(np.argmin(cost[first[k]:first[k] + count[k]]))]
             r = int(changed[k])
@@ -339,6 +339,8 @@ class _State:
                     continue
                 touched.add(r)
             self.core[r] = best
+            got.append(r)
+        return got
 
     def _class_lengths(self, members, group, changed):
         """Boundary of each member's region to regions of the member's class."""
@@ -453,6 +455,8 @@ class _State:
         m = max(8, min(4096, len(self.movable) // 4))
         began = perf_counter()
         wanted = max(4.0, self.regions / 12)
+        # new cores cost the square of the areas of a region: the larger, the rarer
+        rest = int(np.clip(len(self.movable) / max(self.regions, 1) / 2, 4, 64))
         share = 0.0
         while True:
             if seconds is None:
@@ -480,6 +484,7 @@ class _State:
             if self.batch % 4 == 0:
                 self.merge(temperature, price_of_lack)
                 self.split(temperature)
+            if self.batch % rest == 0:
                 self.recore(price_of_lack)
             if self.count is not None:
                 self.bonus += 0.002 * temperature * max(-20, min(20, self.regions - self.count))
@@ -491,30 +496,36 @@ class _State:
         self.recore(HARD)
         self.repair()
         self.bonus = 0.0
-        for _ in range(200):
+        hot = None  # regions that changed in the last round: only their moves have new prices
+        for _ in range(1000):
             self.batch += 1
             check(1.0)
-            applied = self.applied
-            v, to = self.every_move()
-            delta = self.price(v, to, HARD)
+            v, to = self.every_move(hot)
+            delta = self.price(v, to, HARD) if len(v) else np.zeros(0)
             if self.count is not None:
                 delta[self.number[self.region[v]] == 1] = np.inf
             better = np.flatnonzero(delta < -1e-6)
             for k in better[np.argsort(delta[better], kind="stable")].tolist():
                 self.apply(int(v[k]), int(to[k]), float(delta[k]), 0.0, HARD)
-            self.dirty.update(np.flatnonzero(self.stamp == self.batch).tolist())
-            self.dirty = {r for r in self.dirty if self.members[r]}
-            self.recore(HARD)
-            if self.applied == applied:
+            changed = self.stamp == self.batch
+            changed[self.recore(HARD)] = True
+            if changed.any():
+                hot = changed
+            elif hot is None:
                 break
+            else:
+                hot = None
         return self.current()
 
-    def every_move(self):
-        """All moves of an area to the region of a neighbour, each once."""
+    def every_move(self, hot=None):
+        """All moves of an area to the region of a neighbour, each once; or those of hot regions."""
         p = self.problem
         owner = p.owner
-        to = self.region[p.neighbour]
-        useful = np.flatnonzero((to != self.region[owner]) & ~self.frozen[owner])
+        to, old = self.region[p.neighbour], self.region[owner]
+        useful = (to != old) & ~self.frozen[owner]
+        if hot is not None:
+            useful &= hot[to] | hot[old]
+        useful = np.flatnonzero(useful)
         key = np.unique(owner[useful] * len(self.size) + to[useful])
         return key // len(self.size), key % len(self.size)
 

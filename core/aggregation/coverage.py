@@ -429,8 +429,11 @@ def _nest(coverage, cycles):
         polygons[0] += [rows for _, rows in holes]
     elif holes:
         shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells]
-        for _, rows in holes:
+        for area, rows in holes:
+            # an island in the hole may contain its inner point, but is not larger than the hole
             hole = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
-            around = [k for k, shape in enumerate(shapes) if shape.contains(hole)]
+            around = [
+                k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)
+            ]
             polygons[around[-1] if around else 0].append(rows)
     return polygons

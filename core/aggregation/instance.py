@@ -302,7 +302,8 @@ def solution(problem, region):
     rank[np.argsort(first, kind="stable")] = np.arange(len(first))
     region = rank[region]
     order = np.argsort(region, kind="stable")
-    groups = np.split(order, np.searchsorted(region[order], np.arange(1, len(first))))
+    starts = np.searchsorted(region[order], np.arange(len(first) + 1))
+    groups = [order[lo:hi] for lo, hi in zip(starts[:-1], starts[1:])]
     core = np.empty(len(first), dtype=np.int64)
     for number, members in enumerate(groups):
         core[number] = best_core(problem, members)
@@ -316,8 +317,6 @@ def solution(problem, region):
 
 def best_core(problem, members, class_length=None):
     """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
-    if len(members) == 0:
-        return -1
     size = problem.size[members].sum()
     cost = np.concatenate([
         shares(problem, members, members[lo:lo + 256]).sum(axis=0)
