@@ -195,7 +195,10 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             choice(self.METHOD, "Method", METHODS, "annealing"),
             "greedy: quick. annealing: better the longer it runs. exact: best, for small maps.",
         )
-        add(amount(self.SEED, "Seed of annealing", 1, number.Integer), "Another seed gives another result.")
+        add(
+            amount(self.SEED, "Seed of annealing", 1, number.Integer),
+            "Another seed gives another result.",
+        )
         add(
             amount(self.ITERATIONS, "Steps of annealing (0: 10,000 an area)", 0, number.Integer),
             "How many moves are tried.",
@@ -267,7 +270,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         ):
             return "A table of class distances (DISTANCES) is needed, or another way to measure them."
         for name in (
-            self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE, self.SECONDS
+            self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
+            self.SECONDS,
         ):
             value = self.parameterAsDouble(parameters, name, context)
             if not 0.0 <= value < math.inf:
@@ -413,6 +417,9 @@ class _Run:
         tool, feedback, problem = self.tool, self.feedback, self.problem
         method, seconds = self.choice(tool.METHOD), self.number(tool.SECONDS)
         count = int(self.number(tool.REGIONS)) or None
+        shapeless = len(problem.size) - len(set(self.areas.owner.tolist()))
+        if count:  # for the core, an area without a geometry is a region, too
+            count += shapeless
 
         def check(share):
             if feedback.isCanceled():
@@ -438,7 +445,9 @@ class _Run:
                 )
             else:
                 decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
-                begin = annealing(problem, iterations=1000 * len(problem.size), check=check)
+                begin = annealing(
+                    problem, int(self.number(tool.SEED)), 1000 * len(problem.size), check=check
+                )
                 result = exact(problem, seconds or 60.0, decompose, begin, check)
                 found, bound = result.found, result.bound
                 self._tell_gap(result, decompose)
@@ -449,8 +458,8 @@ class _Run:
             return None, None
         if count and len(found.core) != count:
             feedback.pushWarning(
-                f"{count} regions were wanted, and {len(found.core)} is as near as thresholds and "
-                "neighbours allowed by merging and splitting single regions."
+                f"{count - shapeless} regions were wanted, and {len(found.core) - shapeless} is as "
+                "near as thresholds and neighbours allowed by merging and splitting single regions."
             )
         return found, bound
 

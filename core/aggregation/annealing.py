@@ -99,6 +99,7 @@ class _State:
         self.count = count
         self.adjacent = adjacency(problem)
         self.degree = np.diff(problem.start)
+        self.owner = problem.owner
         self.frozen = helpless(problem)
         self.movable = np.flatnonzero(~self.frozen & (self.degree > 0))
         # slots of regions: some more than there are, for new ones
@@ -121,9 +122,9 @@ class _State:
         self.stamp = np.zeros(slots, dtype=np.int64)
         self.batch = 0
         self.dirty = set()
+        length, start = problem.length.tolist(), problem.start.tolist()
         self.length_of = [
-            dict(zip(self.adjacent[v], problem.length[problem.start[v]:problem.start[v + 1]].tolist()))
-            for v in range(n)
+            dict(zip(self.adjacent[v], length[start[v]:start[v + 1]])) for v in range(n)
         ]
         self.priced = self.applied = 0
 
@@ -271,7 +272,7 @@ class _State:
             lost = (reached | rest) - set(keep)
         return lost if len(lost) <= LARGEST_GROUP else None
 
-    def apply(self, v, to, delta, temperature, price_of_lack):
+    def apply(self, v, to, temperature, price_of_lack):
         """Apply a single move if its regions are untouched and stay contiguous."""
         r = self.labels[v]
         if self.stamp[r] == self.batch or (to >= 0 and self.stamp[to] == self.batch):
@@ -475,8 +476,8 @@ class _State:
                 delta = self.price(v, to, price_of_lack)
                 threshold = -temperature * np.log(self.rng.random(len(v)) + 1e-300)
                 accepted = np.flatnonzero(delta < threshold)
-                for a, b, d in zip(v[accepted].tolist(), to[accepted].tolist(), delta[accepted].tolist()):
-                    self.apply(a, b, d, temperature, price_of_lack)
+                for k in accepted.tolist():
+                    self.apply(int(v[k]), int(to[k]), temperature, price_of_lack)
                 if len(accepted) > 1.5 * wanted:
                     m = max(8, int(m * 0.9))
                 elif len(accepted) < wanted:
@@ -506,7 +507,7 @@ class _State:
                 delta[self.number[self.region[v]] == 1] = np.inf
             better = np.flatnonzero(delta < -1e-6)
             for k in better[np.argsort(delta[better], kind="stable")].tolist():
-                self.apply(int(v[k]), int(to[k]), float(delta[k]), 0.0, HARD)
+                self.apply(int(v[k]), int(to[k]), 0.0, HARD)
             changed = self.stamp == self.batch
             changed[self.recore(HARD)] = True
             if changed.any():
@@ -520,7 +521,7 @@ class _State:
     def every_move(self, hot=None):
         """All moves of an area to the region of a neighbour, each once; or those of hot regions."""
         p = self.problem
-        owner = p.owner
+        owner = self.owner
         to, old = self.region[p.neighbour], self.region[owner]
         useful = (to != old) & ~self.frozen[owner]
         if hot is not None:
@@ -540,7 +541,10 @@ class _State:
                 return
             r = int(small[np.argmin(lack[small])])
             self.batch += 1
-            if not self.take(r):
+            core = best_core(self.problem, np.array(sorted(self.members[r])))
+            if enough(self.size[r], self.theta[core]):
+                self.core[r] = core
+            elif not self.take(r):
                 self.join(r)
             self.recore(HARD)
 
@@ -583,7 +587,6 @@ class _State:
 
     def cheapest_join(self, r):
         """Price and number of the neighbouring region that r joins at least cost."""
-        areas = np.array(sorted(self.members[r]))
         around = sorted({
             self.labels[u] for v in self.members[r] for u in self.adjacent[v]
         } - {r})
@@ -592,7 +595,7 @@ class _State:
             price = self.group_price(self.members[r], r, s, 0.0)
             if price < best[0]:
                 best = (price, s)
-        return best if len(areas) else (math.inf, -1)
+        return best
 
     def join(self, r):
         """Merge a region into the neighbour where that costs least."""

@@ -13,12 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import MissingEngine
-from .greedy import adjacency, greedy, helpless
+from .greedy import greedy, helpless
 from .instance import (
     Solution, build, components, connected_parts, costs, enough, problems, shares, solution,
 )
 
 __all__ = ["Exact", "exact", "require_highs"]
+
+LARGEST_PROGRAMME = 20_000  # pairs of an area and a core; a part with more is left to greedy
 
 
 class Exact(NamedTuple):
@@ -121,7 +123,8 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
     bound += _constant(problem, big | lost, core_of, lost)
     if not proven or problems_of(problem, found, lost):
         other = begin or greedy(problem)
-        if problems_of(problem, found, lost) or costs(problem, other).total < costs(problem, found).total:
+        cheaper = costs(problem, other).total < costs(problem, found).total
+        if cheaper or problems_of(problem, found, lost):
             found = other
     return Exact(found, bound, proven, rounds, len(groups))
 
@@ -163,35 +166,33 @@ class _Part:
     def __init__(self, problem, group, big, tools):
         self.problem, self.tools = problem, tools
         self.free = group.tolist()
-        near = {
-            int(u)
-            for v in self.free
-            for u in problem.neighbour[problem.start[v]:problem.start[v + 1]]
+        around = {
+            v: slice(problem.start[v], problem.start[v + 1]) for v in self.free
         }
-        self.fixed = sorted(u for u in near if big[u])
+        self.fixed = sorted({
+            u for v in self.free for u in problem.neighbour[around[v]].tolist() if big[u]
+        })
         self.areas = self.free + self.fixed
         total = problem.size[group].sum()
         theta = problem.theta[problem.cls]
         self.cores = [u for u in self.free if enough(total, theta[u])] + self.fixed
-        inside = set(self.areas)
-        adjacent = adjacency(problem) if len(problem.size) < 5000 else None
-        self.adjacent = {}
-        for v in self.areas:
-            near = adjacent[v] if adjacent else problem.neighbour[
-                problem.start[v]:problem.start[v + 1]].tolist()
-            self.adjacent[v] = [u for u in near if u in inside and not (big[u] and big[v])]
         self.edges = [
-            (v, int(u), float(length))
+            (v, u, length)
             for v in self.free
             for u, length in zip(
-                problem.neighbour[problem.start[v]:problem.start[v + 1]],
-                problem.length[problem.start[v]:problem.start[v + 1]],
+                problem.neighbour[around[v]].tolist(), problem.length[around[v]].tolist()
             )
-            if int(u) in inside and (big[u] or v < u)
+            if big[u] or v < u
         ]
+        self.adjacent = {v: [] for v in self.areas}
+        for v, u, _ in self.edges:
+            self.adjacent[v].append(u)
+            self.adjacent[u].append(v)
+        self.too_large = len(self.free) * len(self.cores) > LARGEST_PROGRAMME
         self.rows, self.columns, self.values, self.low = [], [], [], []
         self.upper = []
-        self._build()
+        if not self.too_large:
+            self._build()
 
     def _row(self, entries, low, high=np.inf):
         number = len(self.low)
@@ -254,6 +255,8 @@ class _Part:
 
     def solve(self, seconds, check):
         """Return the core of each free area, a lower bound, whether it is reached, and the rounds."""
+        if self.too_large:
+            return self._greedy(), self._floor(-np.inf), False, 0
         milp, constraint, sparse = self.tools
         until = perf_counter() + seconds
         unit = max(np.abs(self.cost).max() / 100.0, 1e-300)
@@ -285,8 +288,9 @@ class _Part:
             }
             if self._cut(chosen) == 0:
                 if answer.status == 0:
-                    cost = self._cost(chosen)
-                    return [chosen[v] for v in self.free], min(cost, max(bound, cost * (1 - 1e-9))), True, rounds
+                    cost = self._cost(chosen)  # the bound is that, but for the solver's tolerance
+                    bound = min(cost, max(bound, cost * (1.0 - 1e-9)))
+                    return [chosen[v] for v in self.free], bound, True, rounds
                 return [chosen[v] for v in self.free], self._floor(bound), False, rounds
             if answer.status != 0:
                 break
@@ -295,8 +299,10 @@ class _Part:
     def _floor(self, bound):
         """A bound that always holds: every area at its cheapest core, no boundary."""
         p = self.problem
-        least = shares(p, np.array(self.free), np.array(self.cores, dtype=np.int64)).min(axis=1).sum()
-        return max(bound, float(least))
+        least = [
+            shares(p, np.array([v]), np.array(self.cores, dtype=np.int64)).min() for v in self.free
+        ]
+        return max(bound, float(sum(least)))
 
     def _cost(self, chosen):
         p = self.problem

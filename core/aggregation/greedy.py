@@ -168,7 +168,8 @@ def reach_count(problem, found, count, check=None):
             both = np.concatenate((groups[r], groups[s]))
             kept = best_core(problem, both)
             cost = float(shares(problem, both, np.array([kept])).sum()) - cost_of(r) - cost_of(s)
-            cost -= problem.boundary * shared
+            if not problem.by_class or problem.cls[core[r]] != problem.cls[core[s]]:
+                cost -= problem.boundary * shared
             heapq.heappush(heap, (cost, r, len(groups[r]), s, len(groups[s]), both.tolist(), kept))
 
     splitting = len(core) < count

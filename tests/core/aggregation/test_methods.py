@@ -93,6 +93,49 @@ def test_prices_of_moves_are_the_differences_of_costs(by_class):
         assert delta[k] == pytest.approx(after - before, abs=1e-9)
 
 
+@pytest.mark.parametrize("by_class", [False, True])
+def test_prices_of_groups_are_the_differences_of_costs(by_class):
+    from isthmus.core.aggregation.annealing import _State
+
+    problem = random_map(8, n=60, by_class=by_class)
+    begin = greedy(problem)
+    state = _State(problem, begin, 0, None)
+    before, tried = costs(problem, begin).total, 0
+    for v, to in zip(*(a.tolist() for a in state.every_move())):
+        r = state.labels[v]
+        group = {u for u in (v, *state.adjacent[v]) if state.labels[u] == r and u != state.core[r]}
+        if v not in group or len(group) < 2:
+            continue
+        tried += 1
+        region = begin.region.copy()
+        region[sorted(group)] = to
+        after = costs(problem, begin._replace(region=region)).total
+        assert state.group_price(group, r, to, 0.0) == pytest.approx(after - before, abs=1e-9)
+    assert tried > 10
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("count", [None, 12])
+def test_the_state_stays_true(by_class, count):
+    from isthmus.core.aggregation.annealing import Schedule, _State
+
+    problem = random_map(5, n=120, by_class=by_class)
+    state = _State(problem, greedy(problem), 7, count)
+    state.cool(30_000, None, Schedule(), lambda share: None)
+    assert state.applied > 300
+    used = np.unique(state.region)
+    assert state.region.tolist() == state.labels
+    assert len(used) == state.regions
+    for r in used.tolist():
+        assert state.members[r] == set(np.flatnonzero(state.region == r).tolist())
+        assert state.number[r] == len(state.members[r])
+        assert state.size[r] == pytest.approx(problem.size[state.region == r].sum())
+        assert state.core[r] in state.members[r]
+    assert sorted(state.free) == sorted(set(range(len(problem.size))) - set(used.tolist()))
+    # contiguous, though perhaps too small
+    assert not [p for p in problems(problem, state.current()) if p[1] == "not contiguous"]
+
+
 @pytest.mark.parametrize("wanted", [3, 8, 15, 25])
 def test_a_fixed_number_of_regions(wanted):
     problem = random_map(2, n=150)._replace(theta=np.full(3, 25.0))
