@@ -408,23 +408,75 @@ class _State:
             self.put(areas.tolist(), r, to)
             self.core[to] = choice[best]
 
-    def split(self, temperature, most=4):
+    def split(self, temperature, price_of_lack, most=4):
         """Propose to split a region in two that are large enough."""
         v = int(self.movable[self.rng.integers(len(self.movable))])
         r = self.labels[v]
         if len(self.members[r]) < 2 or len(self.members[r]) > LARGEST_EXACT or not self.free:
             return
         members = np.array(sorted(self.members[r]))
-        if v == self.core[r]:
-            v = int(members[self.rng.integers(len(members))])
-        found = best_split(self.problem, self.adjacent, members, int(self.core[r]), most)
+        # half of the time with another core for what stays: the old one may be in the middle
+        p, old, stays, extra = self.problem, int(self.core[r]), int(self.core[r]), 0.0
+        if self.rng.random() < 0.5:
+            stays = int(self.rng.choice(members, p=p.size[members] / p.size[members].sum()))
+            if self.by_class and p.cls[stays] != p.cls[old]:
+                stays = old
+            elif stays != old:
+                extra = float(self.share(members, stays).sum() - self.share(members, old).sum())
+        found = best_split(p, self.adjacent, members, stays, most)
         self.priced += 1
         if found is None:
             return
-        if found[0] + self.bonus < -temperature * math.log(self.rng.random() + 1e-300):
+        # what the region lacked before is no longer missing
+        extra -= price_of_lack * float(self.lack(self.size[r], self.theta[old]))
+        cost = found[0] + extra + self.bonus
+        if cost < -temperature * math.log(self.rng.random() + 1e-300):
             _, areas, core = found
             to = self.put(areas, r, -1)
             self.core[to] = core
+            self.core[r] = stays
+
+    def move_core(self, temperature, price_of_lack):
+        """Propose to move the core of a region to a neighbour; the rest gets the best new core."""
+        p = self.problem
+        r = self.labels[int(self.movable[self.rng.integers(len(self.movable))])]
+        v = int(self.core[r])
+        near = sorted({self.labels[u] for u in self.adjacent[v]} - {r})
+        if not near or not 1 < len(self.members[r]) <= LARGEST_EXACT:
+            return
+        to = near[self.rng.integers(len(near))]
+        rest = self.members[r] - {v}
+        if len(connected_parts(self.adjacent, rest)) > 1:
+            return
+        rest = np.array(sorted(rest))
+        size = float(p.size[v])
+        cost = shares(p, rest, rest).sum(axis=0)
+        cost += price_of_lack * self.lack(self.size[r] - size, self.theta[rest])
+        if self.by_class:  # its class stays, so that the boundaries of the rest keep their price
+            cost[p.cls[rest] != p.cls[v]] = np.inf
+        best = int(np.argmin(cost))
+        if not np.isfinite(cost[best]):
+            return
+        before = self.share(rest, v).sum()
+        before += price_of_lack * self.lack(self.size[r], self.theta[v])
+        core = int(self.core[to])
+        delta = float(cost[best] - before + self.share(v, core))
+        delta += price_of_lack * float(
+            self.lack(self.size[to] + size, self.theta[core])
+            - self.lack(self.size[to], self.theta[core])
+        )
+        own, other = p.cls[v], p.cls[core]
+        for u, length in self.length_of[v].items():
+            s = self.labels[u]
+            if self.by_class:
+                kept = p.cls[self.core[s]]
+                delta += p.boundary * length * (int(kept == own) - int(kept == other))
+            else:
+                delta += p.boundary * length * ((s == r) - (s == to))
+        self.priced += 1
+        if delta < -temperature * math.log(self.rng.random() + 1e-300):
+            self.put([v], r, to)
+            self.core[r] = rest[best]
 
     # ---- the run
 
@@ -484,7 +536,8 @@ class _State:
                     m = min(16384, int(m * 1.1) + 1)
             if self.batch % 4 == 0:
                 self.merge(temperature, price_of_lack)
-                self.split(temperature)
+                self.split(temperature, price_of_lack)
+                self.move_core(temperature, price_of_lack)
             if self.batch % rest == 0:
                 self.recore(price_of_lack)
             if self.count is not None:
