@@ -309,7 +309,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             f"{100 * results[self.CHANGED_SHARE]:.2f} % of the area changed its class."
         )
         if bound is not None:
-            results[self.LOWER_BOUND] = bound
+            results[self.LOWER_BOUND] = float(bound)
         return results
 
 

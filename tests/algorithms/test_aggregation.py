@@ -224,6 +224,7 @@ def test_every_method_runs(qgis_app, method):
     assert all(r["size"] >= 300 for r in layers["OUTPUT"])
     assert sum(r["size"] for r in layers["OUTPUT"]) == pytest.approx(1000)
     if method == "exact":
+        assert type(results["LOWER_BOUND"]) is float  # others are lost on the way out
         assert results["LOWER_BOUND"] == pytest.approx(results["TOTAL_COST"])
         assert any("No solution" in line and "gap 0.00 %" in line for line in said)
 
@@ -236,6 +237,29 @@ def test_annealing_repeats_itself(qgis_app):
         for seed in (3, 3)
     ]
     assert runs[0] == runs[1]
+
+
+def test_degrees_are_measured_in_metres(qgis_app):
+    square = 0.001
+    layer = areas(
+        [(box(10 + k * square, 50, square, square), code) for k, code in enumerate("aab")],
+        crs="EPSG:4326",
+    )
+    results, layers, _ = aggregate(layer, THRESHOLD=10_000, WEIGHT_CENTRE=1.0)
+    east, north = 71.696, 111.229
+    size = east * north
+    assert [r["size"] for r in layers["OUTPUT"]] == pytest.approx([3 * size], rel=2e-3)
+    # the middle one is the core: two squares are one width away
+    assert results["CENTRE_COST"] == pytest.approx(2 * size * east, rel=5e-3)
+
+
+def test_areas_on_top_of_each_other_are_kept(qgis_app):
+    layer = areas([(box(0, 0), "a"), (box(0, 0), "a"), (box(10, 0), "b"), (box(5, 2, 2, 2), "b")])
+    results, layers, _ = aggregate(layer, THRESHOLD=150)
+    assert len(layers["ASSIGNMENT"]) == 4
+    assert sum(r["areas"] for r in layers["OUTPUT"]) == 4
+    assert sum(r.geometry().area() for r in layers["OUTPUT"]) == pytest.approx(304.0)
+    assert prepare(layer)[0]["OVERLAP_COUNT"] == 3
 
 
 def test_a_number_of_regions(qgis_app):

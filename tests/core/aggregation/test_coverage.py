@@ -58,6 +58,19 @@ def test_a_junction_off_the_edge_by_rounding():
     assert length == pytest.approx([np.hypot(*third)])
 
 
+def test_corners_apart_by_rounding():
+    x = 10 + 0.001 * 3
+    other = (10 + 0.001 + 0.001) + 0.001
+    assert x != other
+    left, right = shapely.box(10, 0, x, 2), shapely.box(other, 0, 11, 2)
+    coverage = covered(left, right)
+    assert shared(coverage, metric.planar())[1] == pytest.approx([2.0])
+    ((ring,),) = joined(coverage, [0, 0])[0]
+    assert len(ring) == 6
+    ((ring,),) = joined(coverage, [-1, 0])[0]
+    assert sorted(map(tuple, coverage.coords[ring])) == [(other, 0), (other, 2), (11, 0), (11, 2)]
+
+
 def test_direction_of_rings_does_not_matter():
     boxes = [shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1), shapely.box(0, 1, 2, 2)]
     turned = [boxes[0], boxes[1].reverse(), boxes[2].reverse()]
