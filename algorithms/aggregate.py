@@ -47,8 +47,8 @@ weight of the centre distance, or fix the number of regions, if you do not want 
 <p><b>Methods.</b> <i>greedy</i>: the smallest area joins the neighbour that costs least; quick.
 <i>annealing</i>: starts there and improves it, for a number of steps or seconds. The same seed and
 number of steps give the same result. <i>exact</i>: a mixed-integer programme (HiGHS, through scipy)
-for up to about 50 areas between those that are large enough by themselves, with a lower bound that
-certifies how good the result is.</p>
+for small maps, with a lower bound that certifies how good the result is. Between areas that are
+large enough by themselves, a dozen small ones take seconds, and twenty may take minutes.</p>
 <p><b>What cannot be helped.</b> Areas on an island that is too small for any of their classes, and areas
 without a class, stay as they are, with the reason in <i>status</i>.</p>
 <p>Takes the pieces of <i>Prepare areas for aggregation</i>, too: pieces of one area that end in one
@@ -536,7 +536,7 @@ class _Run:
             layer.add(sink, own, geometry, values)
             written += 1
         small = [
-            r for r, fault in sorted(faults.items()) if members[r] and found.core[r] not in self.reason
+            r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
         ]
         self._report_small(small, found, size, faults)
         self._assignment(found, region_of, sources, faults, wkb_type, crs, results)

@@ -57,8 +57,10 @@ def distances(tool, parameters, context, feedback, classes):
         a, b = layer.text(a), layer.text(b)
         if a in number and b in number:
             matrix[number[a], number[b]] = _number(value, f"the distance from {a} to {b}")
-    absent = [one for k, one in enumerate(classes) if len(classes) > 1 and np.isnan(
-        np.delete(matrix[k], k)).all() and np.isnan(np.delete(matrix[:, k], k)).all()]
+    known = ~np.isnan(matrix)
+    np.fill_diagonal(known, False)
+    alone = ~(known.any(axis=0) | known.any(axis=1)) & (len(classes) > 1)
+    absent = [one for one, is_alone in zip(classes, alone) if is_alone]
     if absent:
         raise QgsProcessingException(
             f"The table of class distances (DISTANCES) knows nothing of class {', '.join(absent)}, "
@@ -102,5 +104,6 @@ def _number(value, what):
     except ValueError:
         number = math.nan
     if not 0.0 <= number < math.inf:
-        raise QgsProcessingException(f"{what[0].upper()}{what[1:]} is no number of at least 0: {value}.")
+        what = what[0].upper() + what[1:]
+        raise QgsProcessingException(f"{what} is no number of at least 0: {value}.")
     return number

@@ -16,7 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .greedy import adjacency, best_split, greedy, helpless, reach_count
-from .instance import best_core, components, connected_parts, costs, enough, shares, solution
+from .instance import (
+    best_core, connected_parts, costs, enough, problems, shares, solution,
+)
 
 __all__ = ["Schedule", "annealing"]
 
@@ -69,7 +71,12 @@ def annealing(
     Returns
     -------
     Solution
-        Feasible, and never more expensive than the one it started from.
+        Feasible. Not more expensive than the one it started from, unless that is farther from the
+        number of regions wanted.
+
+    Notes
+    -----
+    A batch of m moves is O(m) in arrays, and O(1) in Python for each move that is accepted.
     """
     start = greedy(problem) if begin is None else begin
     if count is not None:
@@ -79,14 +86,19 @@ def annealing(
     state = _State(problem, start, seed, count)
     if not len(state.movable):
         return start
-    state.cool(iterations, seconds, schedule, check or (lambda share: None))
-    found = state.settle()
+    check = check or (lambda share: None)
+    state.cool(iterations, seconds, schedule, check)
+    found = state.settle(check)
     if count is not None and len(found.core) != count:
         found = reach_count(problem, found, count)
-        state = _State(problem, found, seed, count)
-        found = state.settle()
-    wrong = count is not None and abs(len(found.core) - count) > abs(len(start.core) - count)
-    return start if wrong or costs(problem, found).total > costs(problem, start).total else found
+        found = _State(problem, found, seed, count).settle(check)
+
+    def rank(one):
+        away = 0 if count is None else abs(len(one.core) - count)
+        faults = sum(not state.frozen[one.core[r]] for r, _ in problems(problem, one))
+        return faults, away, costs(problem, one).total
+
+    return min(start, found, key=rank)
 
 
 class _State:
@@ -102,8 +114,7 @@ class _State:
         self.owner = problem.owner
         self.frozen = helpless(problem)
         self.movable = np.flatnonzero(~self.frozen & (self.degree > 0))
-        # slots of regions: some more than there are, for new ones
-        slots = n
+        slots = n  # numbers of regions, most of them unused
         self.region = begin.region.astype(np.int64).copy()
         self.labels = self.region.tolist()
         used = len(begin.core)
@@ -159,7 +170,7 @@ class _State:
         degree = self.degree[v]
         ends = np.cumsum(degree)
         row = np.repeat(np.arange(len(v)), degree)
-        slot = np.arange(ends[-1] if len(ends) else 0) + np.repeat(p.start[v] - ends + degree, degree)
+        slot = np.arange(degree.sum()) + np.repeat(p.start[v] - ends + degree, degree)
         other = self.region[p.neighbour[slot]]
         length = p.length[slot]
         if self.by_class:
@@ -547,6 +558,10 @@ class _State:
 
     def settle(self, check=lambda share: None):
         """Repair what is too small and descend with hard thresholds; return a Solution."""
+        # sums of millions of steps are off by rounding
+        self.size = np.bincount(
+            self.region, weights=self.problem.size, minlength=len(self.size)
+        )
         self.recore(HARD)
         self.repair()
         self.bonus = 0.0

@@ -1,5 +1,7 @@
 """The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,14 @@ from .brute_force import cheapest
 from .maps import grid, random_map
 
 SEEDS = range(40)
+
+
+def by_all_methods(problem):
+    """The solutions of all methods; exact where there is scipy."""
+    yield greedy(problem)
+    yield annealing(problem, iterations=4000)
+    if find_spec("scipy"):
+        yield exact(problem).found
 
 
 def check(problem, found):
@@ -155,7 +165,7 @@ def test_an_island_that_is_too_small_is_left_as_it_is():
         1.0 - np.eye(2), np.full(2, 15.0), boundary=0.1,
     )  # fmt: skip
     assert helpless(problem).tolist() == [False, False, True, True, True]
-    for found in (greedy(problem), annealing(problem, iterations=2000), exact(problem).found):
+    for found in by_all_methods(problem):
         assert found.region.tolist() == [0, 0, 1, 1, 2]
         assert [r for r, _ in problems(problem, found)] == [1, 2]
 
@@ -167,14 +177,14 @@ def test_an_excluded_class_does_not_appear():
         np.full(n, 30.0), cls, np.arange(n) * (1 + 0j), grid(4, 4), np.ones(24), 1.0 - np.eye(2),
         [20.0, np.inf], boundary=1.0,
     )  # fmt: skip
-    for found in (greedy(problem), annealing(problem, iterations=4000), exact(problem).found):
+    for found in by_all_methods(problem):
         check(problem, found)
         assert (problem.cls[found.core] == 0).all()
 
 
 def test_a_threshold_larger_than_the_map_changes_nothing():
     problem = random_map(1, n=30)._replace(theta=np.full(3, 1e9))
-    for found in (greedy(problem), annealing(problem, iterations=1000), exact(problem).found):
+    for found in by_all_methods(problem):
         assert (problem.cls[found.core][found.region] == problem.cls).all()
     assert helpless(problem).all()
 
