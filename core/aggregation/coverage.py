@@ -122,14 +122,11 @@ def cover(coords, offsets, ring_polygon, tolerance=None):
     polygon = ring_polygon[ring[edge]]
 
     twin = _twins(tail, head, len(points))
-    same = _close(points, np.unique(np.concatenate((tail[twin < 0], head[twin < 0]))), tolerance)
+    same = _close(points, tail, head, polygon, twin < 0, tolerance)
     if same is not None:
         point, tail, head = same[point], same[tail], same[head]
-        real = tail != head
-        tail, head, row = tail[real], head[real], row[real]
-        edge, polygon = edge[real], polygon[real]
         twin = _twins(tail, head, len(points))
-    inside = _junctions(points, tail, head, np.flatnonzero(twin < 0), tolerance)
+    inside = _junctions(points, tail, head, polygon, np.flatnonzero(twin < 0), tolerance)
     if len(inside[0]):
         at, new = inside
         # the row at a new tail is any row at that point
@@ -166,8 +163,12 @@ def _twins(tail, head, count):
     return np.where(mutual, twin, -1)
 
 
-def _close(points, some, tolerance):
-    """Number for each point, equal for those of ``some`` that only rounding keeps apart; or None."""
+def _close(points, tail, head, polygon, is_open, tolerance):
+    """Number for each point, equal for those that only rounding keeps apart; None if none are.
+
+    Only ends of open edges are looked at. Points of one polygon stay apart: they are its shape.
+    """
+    some = np.unique(np.concatenate((tail[is_open], head[is_open])))
     if len(some) < 2:
         return None
     shapes = shapely.points(points[some])
@@ -178,11 +179,17 @@ def _close(points, some, tolerance):
     same = np.arange(len(points))
     while (same[a] != same[b]).any():
         np.minimum.at(same, a, same[b])
-    return same
+    near = np.zeros(len(points), dtype=bool)
+    near[a] = True
+    ends = np.flatnonzero(near[tail])
+    corners = np.unique(np.column_stack((polygon[ends], same[tail[ends]], tail[ends])), axis=0)
+    twice = (corners[1:, :2] == corners[:-1, :2]).all(axis=1)
+    spoilt = np.isin(same, corners[1:, 1][twice])
+    return np.where(spoilt, np.arange(len(points)), same)
 
 
-def _junctions(points, tail, head, open_edges, tolerance):
-    """Points inside open edges: the edges, and the points along each in their order."""
+def _junctions(points, tail, head, polygon, open_edges, tolerance):
+    """Points of others inside open edges: the edges, and the points along each in their order."""
     none = np.zeros(0, dtype=np.int64)
     if len(open_edges) < 2:
         return none, none
@@ -191,8 +198,9 @@ def _junctions(points, tail, head, open_edges, tolerance):
     tree = shapely.STRtree(shapely.linestrings(np.stack((a, b), axis=1)))
     which, line = tree.query(shapely.points(points[ends]), predicate="dwithin", distance=tolerance)
     at, point = open_edges[line], ends[which]
-    inner = (point != tail[at]) & (point != head[at])
-    at, point = at[inner], point[inner]
+    # a polygon's own corner beside its edge is its shape, and no junction
+    own = np.isin(polygon[at] * len(points) + point, polygon * len(points) + tail)
+    at, point = at[~own], point[~own]
     along = points[head[at]] - points[tail[at]]
     share = ((points[point] - points[tail[at]]) * along).sum(axis=1) / (along**2).sum(axis=1)
     inner = (share > 0.0) & (share < 1.0)

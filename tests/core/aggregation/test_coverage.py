@@ -71,6 +71,18 @@ def test_corners_apart_by_rounding():
     assert sorted(map(tuple, coverage.coords[ring])) == [(other, 0), (other, 2), (11, 0), (11, 2)]
 
 
+def test_a_polygon_keeps_corners_closer_than_the_tolerance():
+    x = 1e6
+    notch = [(x, 0), (x + 9, 0), (x + 9, 5), (x + 4.0002, 5), (x + 4, 2), (x + 3.9998, 5), (x, 5)]
+    spike = [(x, -5), (x + 9, -5), (x + 9, 0), (x + 5, 0), (x + 4.9998, -4), (x + 4.9996, 0), (x, 0)]
+    polygons = [shapely.Polygon(notch), shapely.Polygon(spike)]
+    coverage = covered(*polygons)
+    found = joined(coverage, [0, 1])
+    for k, polygon in enumerate(polygons):
+        assert shape(coverage, found[k]).equals(polygon)
+        assert sum(map(len, found[k][0])) == 7
+
+
 def test_direction_of_rings_does_not_matter():
     boxes = [shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1), shapely.box(0, 1, 2, 2)]
     turned = [boxes[0], boxes[1].reverse(), boxes[2].reverse()]
