@@ -503,10 +503,22 @@ class _Run:
             if r >= 0:
                 members[r].append(k)
 
-        # sinks
+        # pieces of one area that end in one region are one again
+        groups = {}
+        for k, r in enumerate(region_of):
+            groups.setdefault((sources[k], r) if r >= 0 else (k, None), []).append(k)
+        merged = np.full(len(label), -1)
+        for number, group in enumerate(groups.values()):
+            if len(group) > 1:
+                merged[group] = number
+        shapes = joined(areas.coverage, label[areas.owner])
+        merged_shapes = joined(areas.coverage, merged[areas.owner])
+
+        # several polygons for one feature: of multipart areas, or where overlaps must be united
         wkb_type = self.steps.wkb_type
-        parts = np.bincount(areas.owner, minlength=len(areas.features))
-        if (parts > 1).any() or len(areas.coverage.repeated):
+        united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(members))
+        united += len(set(merged[merged >= 0].tolist()) - set(merged_shapes))
+        if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
@@ -521,7 +533,6 @@ class _Run:
         )
         results = {tool.OUTPUT: destination}
 
-        shapes = joined(areas.coverage, label[areas.owner])
         size = np.bincount(found.region, weights=problem.size, minlength=count)
         written = 0
         for r, group in enumerate(members):
@@ -539,7 +550,7 @@ class _Run:
             r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
         ]
         self._report_small(small, found, size, faults)
-        self._assignment(found, region_of, sources, faults, wkb_type, crs, results)
+        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, results)
         results.update({
             tool.REGION_COUNT: written,
             tool.TOO_SMALL_COUNT: len(small),
@@ -581,12 +592,8 @@ class _Run:
                 "No region reaches its minimum size: is the threshold larger than the map?"
             )
 
-    def _assignment(self, found, region_of, sources, faults, wkb_type, crs, results):
-        """Write the areas with their regions; pieces of one area in one region are one again."""
-        import numpy as np
-
-        from ..core.aggregation.coverage import joined
-
+    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, results):
+        """Write the areas with their regions; ``groups`` has the pieces of each, by its region."""
         tool, areas = self.tool, self.areas
         new_class = type(self.class_field)(self.class_field)
         new_class.setName("new_class")
@@ -602,15 +609,6 @@ class _Run:
             return
         results[tool.ASSIGNMENT] = destination
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
-        groups = {}
-        for k, r in enumerate(region_of):
-            key = (sources[k], r) if r >= 0 else (k, None)
-            groups.setdefault(key, []).append(k)
-        label = np.full(len(areas.features), -1)
-        for number, group in enumerate(groups.values()):
-            if len(group) > 1:
-                label[group] = number
-        shapes = joined(areas.coverage, label[areas.owner])
         size_index = self.source.fields().lookupField("size") if self.id_index >= 0 else -1
         for number, ((_, r), group) in enumerate(groups.items()):
             first = areas.features[group[0]]
