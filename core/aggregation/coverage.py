@@ -361,8 +361,8 @@ def joined(coverage, label):
     Returns
     -------
     dict of int to list of list of (m,) int
-        For each label its polygons, each a list of rings of rows, the shell first. Labels whose
-        pieces do not close (overlapping input) are missing.
+        For each label its polygons, each a list of rings of rows, the shell first. Labels that do
+        not become valid, because the input overlaps or is not valid, are missing.
 
     Notes
     -----
@@ -466,4 +466,9 @@ def _nest(coverage, cycles):
                 k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)
             ]
             polygons[around[-1] if around else 0].append(rows)
-    return polygons
+    # where the input overlaps, rings may cross
+    made = [
+        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in holes])
+        for shell, *holes in polygons
+    ]
+    return polygons if shapely.is_valid(shapely.MultiPolygon(made)) else []

@@ -262,6 +262,16 @@ def test_areas_on_top_of_each_other_are_kept(qgis_app):
     assert prepare(layer)[0]["OVERLAP_COUNT"] == 3
 
 
+def test_areas_that_overlap_become_a_valid_region(qgis_app):
+    around = "Polygon ((0 0, 30 0, 30 20, 0 20, 0 0))"
+    layer = areas([(around, "a"), (box(0, 0), "b"), (box(0, -10, 30, 10), "b"), (box(30, 0), "b")])
+    _, layers, _ = aggregate(layer, THRESHOLD=900)
+    (region,) = [r for r in layers["OUTPUT"] if r["areas"] > 1]
+    assert region.geometry().isGeosValid()
+    assert sum(r["areas"] for r in layers["OUTPUT"]) == 4
+    assert region.geometry().area() == pytest.approx(1000.0)
+
+
 def test_a_number_of_regions(qgis_app):
     for method in ("greedy", "annealing"):
         results, _, _ = aggregate(
