@@ -24,6 +24,7 @@ __all__ = ["Schedule", "annealing"]
 
 LARGEST_GROUP = 40  # areas that follow one that would cut them off
 LARGEST_EXACT = 400  # areas of a region for which every core is tried
+SMALL, RUNS_OF_SMALL = 100, 4  # areas of a small map, and into how many runs its effort is cut
 HARD = 1e6  # price of a missing square metre when none may be missing
 EXCLUDED = 1e30  # stands for an infinite threshold: finite, so that differences are numbers
 
@@ -83,22 +84,34 @@ def annealing(
         start = reach_count(problem, start, count, check and (lambda _: check(0.0)))
     if iterations is None:
         iterations = 10_000 * len(problem.size)
-    state = _State(problem, start, seed, count)
-    if not len(state.movable):
+    lost = helpless(problem)
+    if lost.all():
         return start
     check = check or (lambda share: None)
-    state.cool(iterations, seconds, schedule, check)
-    found = state.settle(check)
-    if count is not None and len(found.core) != count:
-        found = reach_count(problem, found, count)
-        found = _State(problem, found, seed, count).settle(check)
+    results = [start]
+    # a small map has few ways out of a bad start, and time for several
+    runs = RUNS_OF_SMALL if len(problem.size) <= SMALL else 1
+    for run in range(runs):
+        state = _State(problem, start, [seed, run], count)
+        if not len(state.movable):
+            return start
+
+        def report(share, run=run):
+            check((run + share) / runs)
+
+        state.cool(iterations / runs, seconds and seconds / runs, schedule, report)
+        found = state.settle(report)
+        if count is not None and len(found.core) != count:
+            found = reach_count(problem, found, count)
+            found = _State(problem, found, seed, count).settle(report)
+        results.append(found)
 
     def rank(one):
         away = 0 if count is None else abs(len(one.core) - count)
-        faults = sum(not state.frozen[one.core[r]] for r, _ in problems(problem, one))
+        faults = sum(not lost[one.core[r]] for r, _ in problems(problem, one))
         return faults, away, costs(problem, one).total
 
-    return min(start, found, key=rank)
+    return min(results, key=rank)
 
 
 class _State:
