@@ -133,7 +133,7 @@ def draw(path, shapes, parts, drawn, classes, problem):
         axis.autoscale_view()
         axis.set_title(f"{name}\n{len(outlines)} {'areas' if one is None else 'regions'}", fontsize=11)
     figure.tight_layout()
-    figure.savefig(path, dpi=70)
+    figure.savefig(path, dpi=70, bbox_inches="tight")
 
 
 def exterior(shape):
