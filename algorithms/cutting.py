@@ -38,7 +38,7 @@ from .solving import (
     weigh_by_length,
 )
 
-MIN_SIZE, MIN_LENGTH, MIN_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
+BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
 ROLES = ("SELF", "LEAF", "ROOT")
 PART_FIELDS = (
     ("part", INTEGER), ("parts", INTEGER), ("status", TEXT), ("cost", REAL), ("gap", REAL)
@@ -95,7 +95,7 @@ class PartitionTool(IsthmusAlgorithm):
                 self.OBJECTIVE,
                 "What to minimize",
                 list(OBJECTIVES),
-                defaultValue=MIN_SIZE,
+                defaultValue=BY_SIZE,
                 usesStaticStrings=True,
             ),
             "MinSize: the number of cuts. MinLength: their total length, which gives the most "
@@ -171,7 +171,7 @@ class PartitionTool(IsthmusAlgorithm):
             value = self.parameterAsDouble(parameters, name, context)
             if not value >= 0.0:
                 return f"{name} must not be negative, and is {value:g}."
-        if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == MIN_WEIGHT:
+        if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
             sources = [
                 self.parameterAsSource(parameters, name, context)
                 for name in (self.INPUT, self.CANDIDATES)
@@ -209,8 +209,8 @@ class PartitionTool(IsthmusAlgorithm):
                 "as good, but slower."
             )
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
-        weigh = weigh_by_length if objective == MIN_LENGTH else None
-        if objective == MIN_WEIGHT:
+        weigh = weigh_by_length if objective == BY_LENGTH else None
+        if objective == BY_WEIGHT:
             weigh = weigh_by_expression(
                 self.parameterAsString(parameters, self.WEIGHT, context),
                 source,

@@ -5,9 +5,11 @@ from pathlib import Path
 from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
+from .aggregate import AggregateAlgorithm
 from .base import ICON
 from .partition import PartitionAlgorithm
 from .partition_budget import PartitionBudgetAlgorithm
+from .prepare_aggregation import PrepareAggregationAlgorithm
 from .tradeoff import TradeoffAlgorithm
 
 
@@ -31,5 +33,11 @@ class IsthmusProvider(QgsProcessingProvider):
         return next(line[8:] for line in text.splitlines() if line.startswith("version="))
 
     def loadAlgorithms(self):
-        for tool in (PartitionAlgorithm, PartitionBudgetAlgorithm, TradeoffAlgorithm):
+        for tool in (
+            PartitionAlgorithm,
+            PartitionBudgetAlgorithm,
+            TradeoffAlgorithm,
+            PrepareAggregationAlgorithm,
+            AggregateAlgorithm,
+        ):
             self.addAlgorithm(tool())

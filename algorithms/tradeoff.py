@@ -18,7 +18,7 @@ from ..core.errors import Cancelled, Unsolvable
 from ..core.progress import checker, stretch
 from . import report
 from .base import Steps
-from .cutting import MIN_SIZE, PartitionTool, add_feature, make_fields
+from .cutting import BY_SIZE, PartitionTool, add_feature, make_fields
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
 from .solving import prepare_tasks
@@ -208,7 +208,7 @@ class TradeoffAlgorithm(PartitionTool):
             "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
             "fall of the detour (on a logarithmic scale) for what they cost more.",
         ]
-        if objective != MIN_SIZE:
+        if objective != BY_SIZE:
             intro.append("Lengths are in the units of the layer, or metres for degrees.")
         try:
             Path(path).write_text(

@@ -1,0 +1,474 @@
+"""Polygons that fill a map: who shares which boundary, and what they look like joined.
+
+Every polygon keeps its own vertices. Where a vertex of one lies inside an edge of another (a
+T-junction that is not noded), that edge is cut into *pieces* here, for the comparison only: a piece
+that no boundary ends at is put together again before anybody sees it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from ..polygon import signed_areas
+
+__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shared"]
+
+
+class Coverage(NamedTuple):
+    """Polygons as pieces of edges; the polygon is on the left of each.
+
+    Attributes
+    ----------
+    coords : (k, d) float
+        The input's rows.
+    offsets : (r + 1,) int
+        Ring i has the rows ``offsets[i]`` to ``offsets[i + 1] - 1``.
+    ring_polygon : (r,) int
+        Polygon of each ring; its first ring is the shell.
+    row : (s,) int
+        A row at the tail of each piece.
+    tail, head : (s,) int
+        Its ends; equal numbers are points of the plane that are equal but for the tolerance.
+    xy : (p, 2) float
+        These points.
+    polygon : (s,) int
+        The polygon of each piece.
+    edge : (s,) int
+        The input edge of each piece, by its first row.
+    twin : (s,) int
+        The piece on the other side, -1 where there is none.
+    repeated : (t, 2) int
+        Pairs of polygons with an edge in common that both have on the same side.
+    """
+
+    coords: np.ndarray
+    offsets: np.ndarray
+    ring_polygon: np.ndarray
+    row: np.ndarray
+    tail: np.ndarray
+    head: np.ndarray
+    xy: np.ndarray
+    polygon: np.ndarray
+    edge: np.ndarray
+    twin: np.ndarray
+    repeated: np.ndarray
+
+
+class Faults(NamedTuple):
+    """Where polygons are no coverage.
+
+    Attributes
+    ----------
+    overlaps : (o, 2) int
+        Pairs of polygons that overlap.
+    gaps : (g, 2) float
+        A point in each hole of the map that no polygon fills.
+    """
+
+    overlaps: np.ndarray
+    gaps: np.ndarray
+
+
+def cover(coords, offsets, ring_polygon, tolerance=None):
+    """Find the boundaries that polygons share.
+
+    Parameters
+    ----------
+    coords : (k, d) float
+        Rows of all rings of all polygons, without closing rows.
+    offsets : (r + 1,) int
+    ring_polygon : (r,) int
+        Polygon of each ring, ascending; the first ring of each is its shell.
+    tolerance : float, optional
+        How far a vertex may lie from a vertex or an edge of a neighbour to count as on it; no vertex
+        is moved. Default: 1e-9 of the largest coordinate (6 mm in UTM coordinates).
+
+    Returns
+    -------
+    Coverage
+
+    Notes
+    -----
+    O(k log k). Only edges without an equal one on the other side are looked at for T-junctions.
+    """
+    coords, offsets = np.asarray(coords, dtype=float), np.asarray(offsets, dtype=np.int64)
+    ring_polygon = np.asarray(ring_polygon, dtype=np.int64)
+    k = len(coords)
+    if k == 0:
+        none = np.zeros(0, dtype=np.int64)
+        return Coverage(coords, offsets, ring_polygon, none, none, none, np.zeros((0, 2)), none,
+                        none, none, np.zeros((0, 2), dtype=np.int64))
+    xy = coords[:, :2] + 0.0  # + 0.0: there is only one zero
+    if tolerance is None:
+        tolerance = 1e-9 * np.abs(xy).max()
+    flat = np.ascontiguousarray(xy).view(complex).ravel()
+    points, point = np.unique(flat, return_inverse=True)
+    point = point.ravel()
+    points = np.column_stack((points.real, points.imag))
+    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    following = np.arange(1, k + 1)
+    following[offsets[1:] - 1] = offsets[:-1]
+    first = np.append(True, ring_polygon[1:] != ring_polygon[:-1])
+    backwards = (signed_areas(xy, offsets) > 0) != first
+    edge = np.arange(k)
+    start = np.where(backwards[ring], following, edge)
+    end = np.where(backwards[ring], edge, following)
+    real = point[start] != point[end]
+    edge, start, end = edge[real], start[real], end[real]
+    tail, head, row = point[start], point[end], start
+    polygon = ring_polygon[ring[edge]]
+
+    twin = _twins(tail, head, len(points))
+    same = _close(points, tail, head, polygon, twin < 0, tolerance)
+    if same is not None:
+        point, tail, head = same[point], same[tail], same[head]
+        twin = _twins(tail, head, len(points))
+    inside = _junctions(points, tail, head, polygon, np.flatnonzero(twin < 0), tolerance)
+    if len(inside[0]):
+        at, new = inside
+        # the row at a new tail is any row at that point
+        any_row = np.empty(len(points), dtype=np.int64)
+        any_row[point] = np.arange(k)
+        count = np.bincount(at, minlength=len(tail))
+        last = np.cumsum(1 + count)  # pieces of each edge follow one another
+        whole = np.repeat(np.arange(len(tail)), 1 + count)
+        begins = np.ones(last[-1], dtype=bool)
+        begins[np.arange(len(at)) + at + 1] = False
+        new_tail = np.empty(last[-1], dtype=np.int64)
+        new_tail[begins], new_tail[~begins] = tail, new
+        new_row = np.empty(last[-1], dtype=np.int64)
+        new_row[begins], new_row[~begins] = row, any_row[new]
+        new_head = np.append(new_tail[1:], 0)
+        new_head[last - 1] = head
+        tail, head, row, edge, polygon = new_tail, new_head, new_row, edge[whole], polygon[whole]
+        twin = _twins(tail, head, len(points))
+    repeated = _repeated(tail, head, polygon, len(points))
+    return Coverage(coords, offsets, ring_polygon, row, tail, head, points, polygon, edge, twin,
+                    repeated)
+
+
+def _twins(tail, head, count):
+    """For each piece one that runs the other way, each used once; -1 where there is none."""
+    key, back = tail * count + head, head * count + tail
+    order = np.argsort(key, kind="stable")
+    ordered = key[order]
+    at = np.searchsorted(ordered, back)
+    found = np.minimum(at, len(key) - 1)
+    twin = np.where(ordered[found] == back, order[found], -1)
+    # of several equal pieces, only mutual pairs count
+    mutual = (twin >= 0) & (twin[twin] == np.arange(len(key)))
+    return np.where(mutual, twin, -1)
+
+
+def _close(points, tail, head, polygon, is_open, tolerance):
+    """Number for each point, equal for those that only rounding keeps apart; None if none are.
+
+    Only ends of open edges are looked at. Points of one polygon stay apart: they are its shape.
+    """
+    some = np.unique(np.concatenate((tail[is_open], head[is_open])))
+    if len(some) < 2:
+        return None
+    shapes = shapely.points(points[some])
+    a, b = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=tolerance)
+    a, b = some[a[a != b]], some[b[a != b]]
+    if not len(a):
+        return None
+    same = np.arange(len(points))
+    while (same[a] != same[b]).any():
+        np.minimum.at(same, a, same[b])
+    near = np.zeros(len(points), dtype=bool)
+    near[a] = True
+    ends = np.flatnonzero(near[tail])
+    corners = np.unique(np.column_stack((polygon[ends], same[tail[ends]], tail[ends])), axis=0)
+    twice = (corners[1:, :2] == corners[:-1, :2]).all(axis=1)
+    spoilt = np.isin(same, corners[1:, 1][twice])
+    return np.where(spoilt, np.arange(len(points)), same)
+
+
+def _junctions(points, tail, head, polygon, open_edges, tolerance):
+    """Points of others inside open edges: the edges, and the points along each in their order."""
+    none = np.zeros(0, dtype=np.int64)
+    if len(open_edges) < 2:
+        return none, none
+    a, b = points[tail[open_edges]], points[head[open_edges]]
+    ends = np.unique(np.concatenate((tail[open_edges], head[open_edges])))
+    tree = shapely.STRtree(shapely.linestrings(np.stack((a, b), axis=1)))
+    which, line = tree.query(shapely.points(points[ends]), predicate="dwithin", distance=tolerance)
+    at, point = open_edges[line], ends[which]
+    # a polygon's own corner beside its edge is its shape, and no junction
+    own = np.isin(polygon[at] * len(points) + point, polygon * len(points) + tail)
+    at, point = at[~own], point[~own]
+    along = points[head[at]] - points[tail[at]]
+    share = ((points[point] - points[tail[at]]) * along).sum(axis=1) / (along**2).sum(axis=1)
+    inner = (share > 0.0) & (share < 1.0)
+    at, point, share = at[inner], point[inner], share[inner]
+    order = np.lexsort((share, at))
+    return at[order], point[order]
+
+
+def _repeated(tail, head, polygon, count):
+    """Pairs of polygons with the same directed piece."""
+    key = tail * count + head
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order][1:] == key[order][:-1])
+    pairs = np.column_stack((polygon[order[same]], polygon[order[same + 1]]))
+    return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+
+
+def shared(coverage, measure):
+    """Return the shared boundaries.
+
+    Parameters
+    ----------
+    measure : core.metric.Metric
+
+    Returns
+    -------
+    pairs : (m, 2) int
+        Polygons, the smaller number first, each pair once.
+    length : (m,) float
+        What they have in common.
+    """
+    s = np.flatnonzero(coverage.twin > np.arange(len(coverage.twin)))
+    pairs = np.sort(
+        np.column_stack((coverage.polygon[s], coverage.polygon[coverage.twin[s]])), axis=1
+    )
+    s, pairs = s[pairs[:, 0] != pairs[:, 1]], pairs[pairs[:, 0] != pairs[:, 1]]
+    if not len(s):
+        return pairs, np.zeros(0)
+    position = measure.positions(coverage.xy)
+    length = measure.length(position, coverage.tail[s], coverage.head[s])
+    count = int(pairs.max()) + 1
+    key, group = np.unique(pairs[:, 0] * count + pairs[:, 1], return_inverse=True)
+    return np.column_stack((key // count, key % count)), np.bincount(group.ravel(), weights=length)
+
+
+def centroids(coverage, plane, count):
+    """Return area and centroid of each polygon in a plane with true areas.
+
+    Parameters
+    ----------
+    plane : (k, 2) float
+        The rows in that plane.
+    count : int
+        Number of polygons.
+
+    Returns
+    -------
+    area : (count,) float
+    moment : (count, 2) float
+        Centroid times area, so that parts can be added up.
+    """
+    offsets = coverage.offsets
+    if len(offsets) < 2:
+        return np.zeros(count), np.zeros((count, 2))
+    origin = plane[offsets[:-1]]
+    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    x, y = (plane - origin[ring]).T
+    following = np.arange(1, len(plane) + 1)
+    following[offsets[1:] - 1] = offsets[:-1]
+    cross = x * y[following] - x[following] * y
+    area = 0.5 * np.add.reduceat(cross, offsets[:-1])
+    moment = np.column_stack((
+        np.add.reduceat((x + x[following]) * cross, offsets[:-1]),
+        np.add.reduceat((y + y[following]) * cross, offsets[:-1]),
+    )) / 6.0 + origin * area[:, None]
+    first = np.append(True, coverage.ring_polygon[1:] != coverage.ring_polygon[:-1])
+    sign = np.where((area > 0) == first, 1.0, -1.0)  # shells add, holes take away
+
+    def total(values):
+        return np.bincount(coverage.ring_polygon, weights=sign * values, minlength=count)
+
+    return total(area), np.column_stack((total(moment[:, 0]), total(moment[:, 1])))
+
+
+def faults(coverage):
+    """Find overlaps and gaps.
+
+    Returns
+    -------
+    Faults
+
+    Notes
+    -----
+    Looks at the edges without a twin and at one inner point of each polygon. Two complete coverages
+    on top of each other with polygons that only cross may have more overlaps than are listed.
+    """
+    polygons = _shapes(coverage)
+    valid = shapely.is_valid(polygons) & ~shapely.is_empty(polygons)
+    number = np.flatnonzero(valid)
+    tree = shapely.STRtree(polygons[valid])
+    pairs = [coverage.repeated]
+
+    inner, other = tree.query(shapely.point_on_surface(polygons[valid]), predicate="within")
+    pairs.append(np.column_stack((number[inner], number[other])))
+
+    lone = np.flatnonzero(coverage.twin < 0)
+    gaps = np.zeros((0, 2))
+    if len(lone):
+        a, b = coverage.xy[coverage.tail[lone]], coverage.xy[coverage.head[lone]]
+        which, other = tree.query(shapely.points((a + b) / 2.0), predicate="within")
+        pairs.append(np.column_stack((coverage.polygon[lone[which]], number[other])))
+        lines = shapely.linestrings(np.stack((a, b), axis=1))
+        which, other = shapely.STRtree(lines).query(lines, predicate="crosses")
+        pairs.append(np.column_stack((coverage.polygon[lone[which]], coverage.polygon[lone[other]])))
+        faces = shapely.get_parts(shapely.polygonize(lines))
+        inside = shapely.point_on_surface(faces)
+        filled = np.unique(tree.query(inside, predicate="intersects")[0])
+        empty = np.setdiff1d(np.arange(len(faces)), filled)
+        gaps = shapely.get_coordinates(inside[empty])
+    pairs = np.sort(np.concatenate(pairs), axis=1)
+    return Faults(np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0), gaps)
+
+
+def _shapes(coverage):
+    """The polygons as shapely geometries; empty where a ring has fewer than three points."""
+    count = int(coverage.ring_polygon.max(initial=-1)) + 1
+    size = np.diff(coverage.offsets)
+    short = np.unique(coverage.ring_polygon[size < 3])
+    good = ~np.isin(coverage.ring_polygon, short)
+    rows = np.flatnonzero(np.repeat(good, size))
+    ring = np.repeat(np.cumsum(good) - 1, size)[rows]
+    shapes = np.full(count, shapely.Polygon(), dtype=object)
+    if not len(rows):
+        return shapes
+    lines = shapely.linearrings(coverage.coords[rows, :2], indices=ring)
+    owner = coverage.ring_polygon[good]
+    first = np.append(True, owner[1:] != owner[:-1])
+    holes = np.flatnonzero(~first)
+    made = shapely.polygons(lines[first])
+    if len(holes):
+        shells = np.cumsum(first) - 1
+        with_holes = np.unique(shells[holes])
+        bounds = np.append(np.flatnonzero(first), len(owner))
+        for s in with_holes.tolist():
+            made[s] = shapely.polygons(lines[bounds[s]], lines[bounds[s] + 1:bounds[s + 1]])
+    shapes[owner[first]] = made
+    return shapes
+
+
+def joined(coverage, label):
+    """Join the polygons of each label along their shared boundaries.
+
+    Parameters
+    ----------
+    label : (q,) int
+        Label of each polygon; negative: left out.
+
+    Returns
+    -------
+    dict of int to list of list of (m,) int
+        For each label its polygons, each a list of rings of rows, the shell first. Labels that do
+        not become valid, because the input overlaps or is not valid, are missing.
+
+    Notes
+    -----
+    O(s log s). No coordinate is computed: the rings are made of rows of the input.
+    """
+    label = np.asarray(label, dtype=np.int64)
+    own = label[coverage.polygon]
+    beyond = np.where(coverage.twin >= 0, own[coverage.twin], -1)
+    kept = np.flatnonzero((own >= 0) & ((coverage.twin < 0) | (own != beyond)))
+    result = {}
+    if not len(kept):
+        return result
+    count = len(coverage.xy)
+    begin = own[kept] * count + coverage.tail[kept]
+    order = np.argsort(begin, kind="stable")
+    kept, begin = kept[order], begin[order]
+    end = own[kept] * count + coverage.head[kept]
+    low = np.searchsorted(begin, end, "left")
+    several = np.searchsorted(begin, end, "right") - low
+    after = low.copy()
+    for k in np.flatnonzero(several > 1).tolist():
+        after[k] = _next_around(coverage, kept, k, range(low[k], low[k] + several[k]))
+
+    seen = np.zeros(len(kept), dtype=bool)
+    labels, following = own[kept].tolist(), after.tolist()
+    tail = coverage.tail[kept].tolist()
+    rings = {}
+    for first in range(len(kept)):
+        if seen[first]:
+            continue
+        walk, k = [], first
+        while not seen[k]:
+            seen[k] = True
+            walk.append(k)
+            k = following[k]
+        rings.setdefault(labels[first], []).extend(_simple(walk, tail))
+    for one, cycles in rings.items():
+        result[one] = _nest(coverage, [kept[cycle] for cycle in cycles])
+    return {one: polygons for one, polygons in result.items() if polygons}
+
+
+def _next_around(coverage, kept, k, choices):
+    """At a point that a boundary passes several times: the next piece around the same corner."""
+    here = coverage.xy[coverage.head[kept[k]]]
+    back = coverage.xy[coverage.tail[kept[k]]] - here
+    best = None
+    for other in choices:
+        ahead = coverage.xy[coverage.head[kept[other]]] - here
+        # clockwise from the way back
+        cross, dot = back[0] * ahead[1] - back[1] * ahead[0], back @ ahead
+        turn = (-np.arctan2(cross, dot)) % (2.0 * np.pi)
+        if turn == 0.0:
+            turn = 2.0 * np.pi
+        if best is None or turn < best[0]:
+            best = (turn, other)
+    return best[1]
+
+
+def _simple(walk, tail):
+    """Split a closed walk where it meets itself."""
+    stack, depth, cycles = [], {}, []
+    for k in walk:
+        v = tail[k]
+        if v in depth:
+            base = depth[v]
+            cycles.append(stack[base:])
+            for passed in stack[base:]:
+                del depth[tail[passed]]
+            del stack[base:]
+        depth[v] = len(stack)
+        stack.append(k)
+    cycles.append(stack)
+    return [cycle for cycle in cycles if len(cycle) > 2]
+
+
+def _nest(coverage, cycles):
+    """Rings of rows, each shell with its holes; points that only cut an edge are dropped."""
+    shells, holes = [], []
+    for cycle in cycles:
+        edge = coverage.edge[cycle]
+        corner = edge != np.roll(edge, 1)
+        rows = coverage.row[cycle][corner]
+        if len(rows) < 3:
+            continue
+        xy = coverage.coords[rows, :2]
+        area = float(signed_areas(xy, np.array([0, len(rows)]))[0])
+        (shells if area > 0.0 else holes).append((abs(area), rows))
+    if not shells:
+        return []
+    shells.sort(key=lambda ring: -ring[0])
+    polygons = [[rows] for _, rows in shells]
+    holes.sort(key=lambda ring: -ring[0])
+    if len(polygons) == 1:
+        polygons[0] += [rows for _, rows in holes]
+    elif holes:
+        shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells]
+        for area, rows in holes:
+            # an island in the hole may contain its inner point, but is not larger than the hole
+            hole = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
+            around = [
+                k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)
+            ]
+            polygons[around[-1] if around else 0].append(rows)
+    # where the input overlaps, rings may cross
+    made = [
+        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in holes])
+        for shell, *holes in polygons
+    ]
+    return polygons if shapely.is_valid(shapely.MultiPolygon(made)) else []

@@ -1,0 +1,373 @@
+"""An aggregation problem as compact arrays, and what a solution of it costs.
+
+The problem of Haunert and Wolff (2010): group areas into contiguous regions; each region is as large
+as its class demands, and has the class of its *core*, one of its areas. It costs, for each area v of
+a region with core u,
+
+* class change: ``size(v) * distance(class(v), class(u))``,
+* centre distance: ``size(v) * |centroid(v) - centroid(u)|``,
+
+and the length of the boundary between regions (or between classes). The core is the area that makes
+this least.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+__all__ = [
+    "Costs",
+    "Instance",
+    "Solution",
+    "best_core",
+    "build",
+    "components",
+    "connected_parts",
+    "costs",
+    "enough",
+    "hierarchical_distance",
+    "problems",
+    "shares",
+    "solution",
+]
+
+
+class Instance(NamedTuple):
+    """Areas, who is next to whom, and what is wanted. Sizes in m2, lengths in m.
+
+    Attributes
+    ----------
+    size : (n,) float
+    cls : (n,) int
+        Class of each area, 0 to K - 1.
+    place : (n,) complex
+        Centroids, x + iy.
+    start : (n + 1,) int
+        The neighbours of area v are ``neighbour[start[v]:start[v + 1]]``, ascending.
+    neighbour : (h,) int
+    length : (h,) float
+        Length of the boundary shared with each.
+    distance : (K, K) float
+        ``distance[c, d]``: cost of one square metre that changes from class c to d.
+    theta : (K,) float
+        Smallest size of a region of each class; infinite: no region may have this class.
+    change, boundary, centre : float
+        Weights of the three costs.
+    by_class : bool
+        Whether a boundary between two regions of one class is free.
+    """
+
+    size: np.ndarray
+    cls: np.ndarray
+    place: np.ndarray
+    start: np.ndarray
+    neighbour: np.ndarray
+    length: np.ndarray
+    distance: np.ndarray
+    theta: np.ndarray
+    change: float
+    boundary: float
+    centre: float
+    by_class: bool
+
+    @property
+    def owner(self):
+        """(h,) int: the area whose neighbour each entry of ``neighbour`` is."""
+        return np.repeat(np.arange(len(self.size)), np.diff(self.start))
+
+
+class Solution(NamedTuple):
+    """Regions, numbered from 0 by their smallest area.
+
+    Attributes
+    ----------
+    region : (n,) int
+        Region of each area.
+    core : (r,) int
+        The area of each region that gives it its class and its centre.
+    """
+
+    region: np.ndarray
+    core: np.ndarray
+
+
+class Costs(NamedTuple):
+    """What a solution costs: the weighted parts, and the plain measures behind them.
+
+    Attributes
+    ----------
+    change, boundary, centre : float
+        The three parts, weighted.
+    changed_size : float
+        Size of the areas whose class changes.
+    weighted_change : float
+        Sum of size times class distance.
+    region_boundary, class_boundary : float
+        Length between regions, and between regions of different class.
+    centre_distance : float
+        Mean distance to the core, weighted by size.
+    """
+
+    change: float
+    boundary: float
+    centre: float
+    changed_size: float
+    weighted_change: float
+    region_boundary: float
+    class_boundary: float
+    centre_distance: float
+
+    @property
+    def total(self):
+        """The total cost."""
+        return self.change + self.boundary + self.centre
+
+
+def build(
+    size, cls, place, pairs, length, distance, theta, change=1.0, boundary=0.0, centre=0.0,
+    by_class=False,
+):
+    """Return an instance.
+
+    Parameters
+    ----------
+    pairs : (m, 2) int
+        Neighbours; each pair may be listed once, twice or in parts.
+    length : (m,) float
+        What each entry adds to the pair's shared boundary.
+
+    The others are attributes of `Instance`.
+    """
+    n = len(size)
+    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    length = np.asarray(length, dtype=float)
+    low, high = pairs.min(axis=1), pairs.max(axis=1)
+    apart = low != high
+    key, place_of = np.unique(low[apart] * n + high[apart], return_inverse=True)
+    total = np.bincount(place_of.ravel(), weights=length[apart], minlength=len(key))
+    a, b = key // max(n, 1), key % max(n, 1)
+    tail, head = np.concatenate((a, b)), np.concatenate((b, a))
+    order = np.lexsort((head, tail))
+    return Instance(
+        size=np.asarray(size, dtype=float),
+        cls=np.asarray(cls, dtype=np.int64),
+        place=np.asarray(place, dtype=complex),
+        start=np.searchsorted(tail[order], np.arange(n + 1)),
+        neighbour=head[order],
+        length=np.concatenate((total, total))[order],
+        distance=np.asarray(distance, dtype=float),
+        theta=np.asarray(theta, dtype=float),
+        change=float(change),
+        boundary=float(boundary),
+        centre=float(centre),
+        by_class=bool(by_class),
+    )
+
+
+def hierarchical_distance(codes):
+    """Class distance from hierarchical codes: the share of the digits after the common beginning.
+
+    Parameters
+    ----------
+    codes : list of str
+
+    Returns
+    -------
+    (K, K) float
+        0 for equal codes, 1 where the first digit differs; shorter codes are filled up at the end.
+
+    Examples
+    --------
+    >>> hierarchical_distance(["311", "312", "211"])[0].round(2).tolist()
+    [0.0, 0.33, 1.0]
+    """
+    width = max((len(code) for code in codes), default=1)
+    letters = np.array([list(code.ljust(width)) for code in codes]).reshape(len(codes), width)
+    same = np.cumprod(letters[:, None, :] == letters[None, :, :], axis=2)
+    return 1.0 - same.sum(axis=2) / width
+
+
+def shares(problem, areas, cores):
+    """Cost of each area in a region with each core: class change and centre distance.
+
+    Parameters
+    ----------
+    areas : (i,) int
+    cores : (j,) int
+
+    Returns
+    -------
+    (i, j) float
+    """
+    cost = problem.change * problem.distance[problem.cls[areas][:, None], problem.cls[cores]]
+    if problem.centre:
+        cost = cost + problem.centre * np.abs(problem.place[areas][:, None] - problem.place[cores])
+    return cost * problem.size[areas][:, None]
+
+
+def costs(problem, found):
+    """Return what a solution costs, recomputed from scratch. O(n + h)."""
+    core = found.core[found.region]
+    kept = problem.cls[core]
+    per_size = problem.distance[problem.cls, kept]
+    away = np.abs(problem.place - problem.place[core])
+    owner = problem.owner
+    once = owner < problem.neighbour
+    tail, head, length = owner[once], problem.neighbour[once], problem.length[once]
+    between = found.region[tail] != found.region[head]
+    classes = kept[tail] != kept[head]
+    boundary = float(length[between].sum())
+    class_boundary = float(length[classes].sum())
+    total = float(problem.size.sum())
+    change = float(problem.size @ per_size)
+    distance = float(problem.size @ away)
+    return Costs(
+        change=problem.change * change,
+        boundary=problem.boundary * (class_boundary if problem.by_class else boundary),
+        centre=problem.centre * distance,
+        changed_size=float(problem.size[problem.cls != kept].sum()),
+        weighted_change=change,
+        region_boundary=boundary,
+        class_boundary=class_boundary,
+        centre_distance=distance / total if total else 0.0,
+    )
+
+
+def components(problem, label=None):
+    """Connected components of the areas, or of the areas of each label.
+
+    Returns
+    -------
+    (n,) int
+        Component of each area, numbered by their smallest areas.
+    """
+    n = len(problem.size)
+    label = [0] * n if label is None else np.asarray(label).tolist()
+    start, neighbour = problem.start.tolist(), problem.neighbour.tolist()
+    component, count = [-1] * n, 0
+    for root in range(n):
+        if component[root] >= 0:
+            continue
+        component[root], stack = count, [root]
+        while stack:
+            v = stack.pop()
+            for u in neighbour[start[v]:start[v + 1]]:
+                if component[u] < 0 and label[u] == label[v]:
+                    component[u] = count
+                    stack.append(u)
+        count += 1
+    return np.array(component, dtype=np.int64)
+
+
+def connected_parts(adjacent, areas):
+    """Split some areas into connected parts, as lists; ``adjacent[v]`` are the neighbours of v."""
+    left, parts = set(areas), []
+    while left:
+        root = min(left)
+        left.discard(root)
+        part, stack = [root], [root]
+        while stack:
+            for u in adjacent[stack.pop()]:
+                if u in left:
+                    left.discard(u)
+                    stack.append(u)
+                    part.append(u)
+        parts.append(part)
+    return parts
+
+
+def solution(problem, region):
+    """Complete regions by their best cores.
+
+    Parameters
+    ----------
+    region : (n,) int
+        Any labels. The core of each region is the cheapest area with whose class the region is
+        large enough; the cheapest of all where there is none. Boundaries between classes are
+        counted with the cores chosen so far, in two rounds.
+
+    Returns
+    -------
+    Solution
+
+    Notes
+    -----
+    O(sum of m^2) over regions of m areas, O(m) memory.
+    """
+    _, first, region = np.unique(region, return_index=True, return_inverse=True)
+    region = region.ravel()
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first, kind="stable")] = np.arange(len(first))
+    region = rank[region]
+    order = np.argsort(region, kind="stable")
+    starts = np.searchsorted(region[order], np.arange(len(first) + 1))
+    groups = [order[lo:hi] for lo, hi in zip(starts[:-1], starts[1:])]
+    core = np.empty(len(first), dtype=np.int64)
+    for number, members in enumerate(groups):
+        core[number] = best_core(problem, members)
+    if problem.by_class and problem.boundary:
+        for _ in range(2):
+            for number, members in enumerate(groups):
+                core[number] = best_core(problem, members, _class_lengths(
+                    problem, members, region, core, number))
+    return Solution(region, core)
+
+
+def best_core(problem, members, class_length=None):
+    """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
+    size = problem.size[members].sum()
+    cost = np.concatenate([
+        shares(problem, members, members[lo:lo + 256]).sum(axis=0)
+        for lo in range(0, len(members), 256)
+    ])
+    kept = problem.cls[members]
+    if class_length is not None:
+        cost = cost + class_length[kept]
+    # an excluded class only where there is no other; one too demanding before an excluded one
+    theta = problem.theta[kept]
+    rank = np.where(enough(size, theta), 0, np.where(np.isfinite(theta), 1, 2))
+    return int(members[np.lexsort((members, cost, rank))[0]])
+
+
+def enough(size, theta):
+    """Whether a size reaches a threshold; sums of sizes may be off by rounding."""
+    return size >= theta * (1.0 - 1e-12)
+
+
+def _class_lengths(problem, members, region, core, number):
+    """Weighted boundary of a region if it had each class."""
+    slots = np.concatenate([np.arange(problem.start[v], problem.start[v + 1]) for v in members])
+    other = region[problem.neighbour[slots]]
+    out = other != number
+    length = np.bincount(
+        problem.cls[core[other[out]]], weights=problem.length[slots[out]],
+        minlength=len(problem.theta),
+    )
+    return problem.boundary * (length.sum() - length)
+
+
+def problems(problem, found):
+    """Check a solution from scratch.
+
+    Returns
+    -------
+    list of (int, str)
+        Regions that are not contiguous, too small, or of a class that none of their areas had.
+    """
+    result = []
+    parts = components(problem, found.region)
+    count = len(found.core)
+    _, pieces = np.unique(parts, return_index=True)
+    broken = np.bincount(found.region[pieces], minlength=count)
+    size = np.bincount(found.region, weights=problem.size, minlength=count)
+    theta = problem.theta[problem.cls[found.core]]
+    for r in range(count):
+        if broken[r] != 1:
+            result.append((r, "not contiguous"))
+        if found.region[found.core[r]] != r:
+            result.append((r, "core outside"))
+        if not enough(size[r], theta[r]):
+            result.append((r, "excluded class" if np.isinf(theta[r]) else "too small"))
+    return result

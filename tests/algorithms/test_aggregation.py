@@ -1,0 +1,481 @@
+"""The tools isthmus:prepareaggregation and isthmus:aggregate, on small maps."""
+
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from random import Random
+
+import pytest
+
+qgis_core = pytest.importorskip("qgis.core")
+
+from isthmus.algorithms.aggregate import AggregateAlgorithm  # noqa: E402
+from isthmus.algorithms.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
+from qgis.core import (  # noqa: E402
+    NULL,
+    QgsFeature,
+    QgsGeometry,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
+    QgsProcessingUtils,
+    QgsVectorLayer,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
+# two squares of side 10, joined by a corridor of width 1
+DUMBBELL = (
+    "Polygon ((0 0, 10 0, 10 4, 20 4, 20 0, 30 0, 30 10, 20 10, 20 5, 10 5, 10 10, 0 10, 0 0))"
+)
+BELOW = "Polygon ((10 0, 20 0, 20 4, 10 4, 10 0))"
+ABOVE = "Polygon ((10 5, 20 5, 20 10, 10 10, 10 5))"
+OUTER = "Polygon ((0 -5, 30 -5, 30 0, 0 0, 0 -5))"  # its long side has no nodes
+
+
+class Listener(QgsProcessingFeedback):
+    """Keeps what a tool says."""
+
+    def __init__(self):
+        super().__init__(False)
+        self.said = []
+
+    def pushInfo(self, text):
+        self.said.append(text)
+
+    pushWarning = pushInfo
+
+    def reportError(self, text, fatalError=False):
+        self.said.append(text)
+
+
+def box(x, y, width=10, height=10):
+    x1, y1 = x + width, y + height
+    return f"Polygon (({x} {y}, {x1} {y}, {x1} {y1}, {x} {y1}, {x} {y}))"
+
+
+def areas(rows, kind="Polygon", crs="EPSG:25832", fields="code:string(20)&field=name:string(20)"):
+    """A layer of (wkt or None, class) rows."""
+    layer = QgsVectorLayer(f"{kind}?crs={crs}&field={fields}", "areas", "memory")
+    made = []
+    for number, (wkt, code) in enumerate(rows):
+        feature = QgsFeature(layer.fields())
+        feature.setAttributes([code, f"n{number}"])
+        if wkt:
+            feature.setGeometry(QgsGeometry.fromWkt(wkt))
+        made.append(feature)
+    assert layer.dataProvider().addFeatures(made)[0]
+    return layer
+
+
+def table(fields, rows):
+    layer = QgsVectorLayer("None?" + "&".join(f"field={f}" for f in fields), "table", "memory")
+    for row in rows:
+        feature = QgsFeature(layer.fields())
+        feature.setAttributes(list(row))
+        layer.dataProvider().addFeatures([feature])
+    return layer
+
+
+def run(tool, **parameters):
+    """Return results, layers and messages of a tool."""
+    context, feedback = QgsProcessingContext(), Listener()
+    made = tool().create()
+    parameters.setdefault("OUTPUT", "memory:")
+    allowed, problem = made.checkParameterValues(parameters, context)
+    if not allowed:
+        return None, {}, [problem]
+    results, fine = made.run(parameters, context, feedback)
+    if not fine:
+        return None, {}, feedback.said
+    layers = {}
+    for name in ("OUTPUT", "ADJACENCY", "ASSIGNMENT"):
+        if name in results:
+            layer = QgsProcessingUtils.mapLayerFromString(results[name], context)
+            layers[name] = list(layer.getFeatures())
+    return results, layers, feedback.said
+
+
+def prepare(layer, **parameters):
+    return run(PrepareAggregationAlgorithm, INPUT=layer, CLASS="code", ADJACENCY="memory:", **parameters)
+
+
+def aggregate(layer, **parameters):
+    chosen = {
+        "CLASS": "code", "METHOD": "greedy", "ASSIGNMENT": "memory:", "WEIGHT_BOUNDARY": 1.0, **parameters
+    }
+    return run(AggregateAlgorithm, INPUT=layer, **chosen)
+
+
+def vertices(geometry):
+    return sorted({(v.x(), v.y(), v.z()) for v in geometry.vertices()}, key=str)
+
+
+def neck_map(**options):
+    return areas([(DUMBBELL, "1"), (BELOW, "2"), (ABOVE, "2"), (OUTER, "3")], **options)
+
+
+def with_heights(wkt):
+    """The same polygon with a height at each vertex."""
+    height = re.sub(r"(-?\d+) (-?\d+)", lambda m: f"{m[0]} {int(m[1]) + 100 * int(m[2])}", wkt)
+    return height.replace("Polygon", "PolygonZ")
+
+
+# ---- prepare
+
+
+def test_prepare_cuts_and_lists_neighbours(qgis_app):
+    results, layers, said = prepare(neck_map())
+    pieces = layers["OUTPUT"]
+    assert results["AREA_COUNT"] == 4
+    assert results["PIECE_COUNT"] == len(pieces) == 6
+    assert (results["OVERLAP_COUNT"], results["GAP_COUNT"], results["SKIPPED_COUNT"]) == (0, 0, 0)
+    assert [p["piece"] for p in pieces] == list(range(1, 7))
+    assert [p["area_id"] for p in pieces] == [1, 1, 1, 2, 3, 4]
+    assert {p["name"] for p in pieces} == {"n0", "n1", "n2", "n3"}
+    for piece in pieces:
+        assert piece["size"] == pytest.approx(piece.geometry().area())
+    area_of = {p["piece"]: p["area_id"] for p in pieces}
+    rows = layers["ADJACENCY"]
+    cuts = [row for row in rows if row["virtual"]]
+    assert len(cuts) == 2
+    for row in rows:
+        assert (area_of[row["a"]] == area_of[row["b"]]) == bool(row["virtual"])
+    # the whole upper side of the area without nodes is shared
+    outer = next(p["piece"] for p in pieces if p["area_id"] == 4)
+    assert sum(row["length"] for row in rows if outer in (row["a"], row["b"])) == pytest.approx(30.0)
+    assert not [line for line in said if "overlap" in line or "gap" in line]
+
+
+def test_prepare_loses_nothing_and_says_why(qgis_app):
+    bow = "Polygon ((100 0, 110 10, 110 0, 100 10, 100 0))"
+    layer = areas([(DUMBBELL, "1"), (None, "2"), (bow, "3"), (box(200, 0), NULL)])
+    results, layers, said = prepare(layer)
+    assert {p["area_id"] for p in layers["OUTPUT"]} == {1, 2, 3, 4}
+    assert results["SKIPPED_COUNT"] == 2
+    text = "\n".join(said)
+    assert "Area 2 was not cut: it has no geometry" in text
+    assert "Area 3 was not cut: invalid geometry" in text
+    assert "1 areas have no class" in text
+
+
+def test_prepare_counts_overlaps_and_gaps(qgis_app):
+    frame = "Polygon ((0 0, 30 0, 30 30, 0 30, 0 0), (10 10, 10 20, 20 20, 20 10, 10 10))"
+    results, _, said = prepare(areas([(frame, "1"), (box(25, 0), "2")]))
+    assert results["OVERLAP_COUNT"] == 1
+    assert results["GAP_COUNT"] == 1
+    assert any("overlap: 1 and 2" in line for line in said)
+
+
+def test_prepare_takes_several_parts_and_heights(qgis_app):
+    wkt = "MultiPolygonZ (((0 0 1, 10 0 2, 10 10 3, 0 0 1)), ((20 0 4, 30 0 5, 30 10 6, 20 0 4)))"
+    results, layers, _ = prepare(areas([(wkt, "1")], kind="MultiPolygonZ"))
+    assert results["PIECE_COUNT"] == 2
+    assert {p["area_id"] for p in layers["OUTPUT"]} == {1}
+    found = [v for p in layers["OUTPUT"] for v in vertices(p.geometry())]
+    assert sorted(z for *_, z in found) == [1, 2, 3, 4, 5, 6]
+
+
+def test_sizes_are_square_metres(qgis_app):
+    _, layers, _ = prepare(areas([(box(0, 0, 100, 100), "1")], crs="EPSG:2263"))  # US feet
+    assert layers["OUTPUT"][0]["size"] == pytest.approx(10_000 * 0.3048**2, rel=1e-4)
+    _, layers, _ = prepare(areas([(box(0, 0, 1, 1), "1")], crs="EPSG:4326"))
+    assert layers["OUTPUT"][0]["size"] == pytest.approx(12_308_778_361, rel=1e-3)
+
+
+# ---- aggregate
+
+
+def strip(codes, **options):
+    """Squares of 10 m in a row."""
+    return areas([(box(10 * k, 0), code) for k, code in enumerate(codes)], **options)
+
+
+def test_small_areas_join(qgis_app):
+    results, layers, _ = aggregate(strip("aaabba"), THRESHOLD=300)
+    regions = layers["OUTPUT"]
+    assert results["REGION_COUNT"] == len(regions) == 2
+    for region in regions:
+        assert region["size"] == pytest.approx(region.geometry().area())
+        assert region["size"] >= 300
+        assert region["areas"] == 3
+        assert region["status"] == ""
+    assert [r["code"] for r in regions] == ["a", "b"]
+    given = layers["ASSIGNMENT"]
+    assert len(given) == 6
+    assert [a["new_class"] for a in given] == list("aaabbb")
+    assert [a["changed"] for a in given] == [0, 0, 0, 0, 0, 1]
+    assert results["CHANGED_SHARE"] == pytest.approx(1 / 6)
+    assert results["CHANGE_COST"] == pytest.approx(100.0)
+    assert results["BOUNDARY_COST"] == pytest.approx(10.0)
+    assert results["TOTAL_COST"] == pytest.approx(
+        results["CHANGE_COST"] + results["BOUNDARY_COST"] + results["CENTRE_COST"]
+    )
+
+
+@pytest.mark.parametrize("method", ["greedy", "annealing", "exact"])
+def test_every_method_runs(qgis_app, method):
+    if method == "exact":
+        pytest.importorskip("scipy")
+    results, layers, said = aggregate(
+        strip("abababbaab"), THRESHOLD=300, METHOD=method, ITERATIONS=3000, SEED=4
+    )
+    assert all(r["size"] >= 300 for r in layers["OUTPUT"])
+    assert sum(r["size"] for r in layers["OUTPUT"]) == pytest.approx(1000)
+    if method == "exact":
+        assert type(results["LOWER_BOUND"]) is float  # others are lost on the way out
+        assert results["LOWER_BOUND"] == pytest.approx(results["TOTAL_COST"])
+        assert any("No solution" in line and "gap 0.00 %" in line for line in said)
+
+
+def test_annealing_repeats_itself(qgis_app):
+    codes = [str((7 * k * k + k) % 5) for k in range(60)]
+    options = {"THRESHOLD": 450, "METHOD": "annealing", "ITERATIONS": 20000}
+    runs = [
+        [a["region"] for a in aggregate(strip(codes), SEED=seed, **options)[1]["ASSIGNMENT"]]
+        for seed in (3, 3)
+    ]
+    assert runs[0] == runs[1]
+
+
+def test_degrees_are_measured_in_metres(qgis_app):
+    square = 0.001
+    layer = areas(
+        [(box(10 + k * square, 50, square, square), code) for k, code in enumerate("aab")],
+        crs="EPSG:4326",
+    )
+    results, layers, _ = aggregate(layer, THRESHOLD=10_000, WEIGHT_CENTRE=1.0)
+    east, north = 71.696, 111.229
+    size = east * north
+    assert [r["size"] for r in layers["OUTPUT"]] == pytest.approx([3 * size], rel=2e-3)
+    # the middle one is the core: two squares are one width away
+    assert results["CENTRE_COST"] == pytest.approx(2 * size * east, rel=5e-3)
+
+
+def test_areas_on_top_of_each_other_are_kept(qgis_app):
+    layer = areas([(box(0, 0), "a"), (box(0, 0), "a"), (box(10, 0), "b"), (box(5, 2, 2, 2), "b")])
+    results, layers, _ = aggregate(layer, THRESHOLD=150)
+    assert len(layers["ASSIGNMENT"]) == 4
+    assert sum(r["areas"] for r in layers["OUTPUT"]) == 4
+    assert sum(r.geometry().area() for r in layers["OUTPUT"]) == pytest.approx(304.0)
+    assert prepare(layer)[0]["OVERLAP_COUNT"] == 3
+
+
+def test_areas_that_overlap_become_a_valid_region(qgis_app):
+    around = "Polygon ((0 0, 30 0, 30 20, 0 20, 0 0))"
+    layer = areas([(around, "a"), (box(0, 0), "b"), (box(0, -10, 30, 10), "b"), (box(30, 0), "b")])
+    _, layers, _ = aggregate(layer, THRESHOLD=900)
+    (region,) = [r for r in layers["OUTPUT"] if r["areas"] > 1]
+    assert region.geometry().isGeosValid()
+    assert sum(r["areas"] for r in layers["OUTPUT"]) == 4
+    assert region.geometry().area() == pytest.approx(1000.0)
+
+
+def test_a_number_of_regions(qgis_app):
+    for method in ("greedy", "annealing"):
+        results, _, _ = aggregate(
+            strip("aaaabbbbaaaa"), THRESHOLD=100, METHOD=method, REGIONS=3, ITERATIONS=5000
+        )
+        assert results["REGION_COUNT"] == 3
+    results, _, said = aggregate(strip("aab"), THRESHOLD=200, REGIONS=3)
+    assert results["REGION_COUNT"] == 1
+    assert any("3 regions were wanted" in line for line in said)
+
+
+def test_thresholds_and_excluded_classes(qgis_app):
+    sizes = table(["class:string(5)", "threshold:double"], [("b", 100.0), ("c", NULL)])
+    results, layers, _ = aggregate(strip("aaabccaa"), THRESHOLD=200, THRESHOLDS=sizes)
+    kept = {r["code"]: r["size"] for r in layers["OUTPUT"]}
+    assert set(kept) == {"a", "b"}
+    _, layers, said = aggregate(strip("aaabccaa"), THRESHOLD=100, EXCLUDED="b, c, x")
+    assert {r["code"] for r in layers["OUTPUT"]} == {"a"}
+    assert any("excluded class x is not on the map" in line for line in said)
+
+
+def test_distances_from_a_table_and_by_code(qgis_app):
+    rows = [("311", "312", 0.1), ("311", "211", 1.0), ("312", "211", 1.0)]
+    fields = ["from:string(5)", "to:string(5)", "distance:double"]
+    layer = strip(["211", "211", "312", "311", "311"])
+    for options in (
+        {"DISTANCE": "table", "DISTANCES": table(fields, rows)},
+        {"DISTANCE": "code"},
+    ):
+        results, layers, _ = aggregate(layer, THRESHOLD=200, **options)
+        assert [a["new_class"] for a in layers["ASSIGNMENT"]] == ["211", "211", "311", "311", "311"]
+        assert results["CHANGE_COST"] == pytest.approx(10.0 if "DISTANCES" in options else 100 / 3)
+
+
+def test_what_a_distance_table_lacks_is_said(qgis_app):
+    fields = ["from:string(5)", "to:string(5)", "distance:double"]
+    _, _, said = aggregate(strip("abc"), DISTANCE="table", DISTANCES=table(fields, [("a", "b", 1)]))
+    assert any("knows nothing of class c" in line for line in said)
+    rows = [("a", "b", 1), ("b", "c", 1)]
+    _, _, said = aggregate(strip("abc"), DISTANCE="table", DISTANCES=table(fields, rows))
+    assert any("lacks 2 pairs" in line and "a to c" in line for line in said)
+    _, _, said = aggregate(strip("abc"), DISTANCE="table")
+    assert any("DISTANCES" in line for line in said)
+    _, _, said = aggregate(strip("ab"), DISTANCE="table", DISTANCES=table(fields[:2], []))
+    assert any("has no field distance" in line for line in said)
+    _, _, said = aggregate(strip("ab"), DISTANCE="table", DISTANCES=table(fields, [("a", "b", -1)]))
+    assert any("from a to b is no number" in line for line in said)
+
+
+def test_a_missing_class_field_is_said(qgis_app):
+    for tool in (PrepareAggregationAlgorithm, AggregateAlgorithm):
+        results, _, said = run(tool, INPUT=strip("ab"), CLASS="nothere")
+        assert results is None
+        assert any("nothere" in line or "CLASS" in line for line in said)
+
+
+def test_bad_areas_are_kept_and_reported(qgis_app):
+    several = f"Multi{box(100, 0).replace('((', '(((').replace('))', ')))')}"
+    far = several[:-1] + ", ((200 0, 210 0, 210 10, 200 0)))"
+    layer = areas(
+        [(box(0, 0), "a"), (box(10, 0), "b"), (None, "a"), (box(20, 0), NULL), (far, "c")],
+        kind="MultiPolygon",
+    )
+    results, layers, said = aggregate(layer, THRESHOLD=150)
+    given = {a["name"]: a for a in layers["ASSIGNMENT"]}
+    assert len(given) == 5
+    assert given["n2"]["region"] == NULL
+    assert given["n2"]["status"] == "it has no geometry"
+    assert given["n3"]["status"] == "it has no class"
+    assert given["n3"]["changed"] == 0
+    assert results["SKIPPED_COUNT"] == 2
+    assert results["TOO_SMALL_COUNT"] == 0  # the two parts together are 150 large
+    assert sum(r.geometry().area() for r in layers["OUTPUT"]) == pytest.approx(450.0)
+    text = "\n".join(said)
+    assert "Area 3 is left as it is: it has no geometry" in text
+    assert "Area 4 is left as it is: it has no class" in text
+
+
+def test_an_island_is_reported(qgis_app):
+    layer = areas([(box(0, 0), "a"), (box(10, 0), "b"), (box(100, 0, 5, 5), "b")])
+    results, layers, said = aggregate(layer, THRESHOLD=150)
+    assert results["TOO_SMALL_COUNT"] == 1
+    assert [r["status"] for r in layers["OUTPUT"]] == ["", "too small"]
+    assert any("around area 3" in line and "could not be helped" in line for line in said)
+
+
+def test_a_threshold_larger_than_the_map(qgis_app):
+    results, layers, said = aggregate(strip("aab"), THRESHOLD=1e9)
+    assert sum(r["size"] for r in layers["OUTPUT"]) == pytest.approx(300.0)
+    assert results["CHANGED_SHARE"] == 0.0
+    assert any("threshold larger than the map" in line for line in said)
+
+
+def test_an_empty_layer(qgis_app):
+    results, layers, said = aggregate(areas([]))
+    assert results["REGION_COUNT"] == 0
+    assert layers["ASSIGNMENT"] == []
+    results, _, _ = prepare(areas([]))
+    assert results["PIECE_COUNT"] == 0
+
+
+def test_impossible_parameters_are_refused(qgis_app):
+    for bad in ({"THRESHOLD": -1}, {"WEIGHT_CENTRE": -0.5}, {"METHOD": "magic"}):
+        assert aggregate(strip("ab"), **bad)[0] is None
+    assert prepare(strip("ab"), TAU=0.5)[0] is None
+
+
+def test_pieces_are_merged_without_a_trace(qgis_app):
+    context = QgsProcessingContext()
+    layer = areas(
+        [(with_heights(wkt), code) for wkt, code in zip((DUMBBELL, BELOW, ABOVE, OUTER), "1223")],
+        kind="PolygonZ",
+    )
+    tool = PrepareAggregationAlgorithm().create()
+    results, _ = tool.run(
+        {"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener()
+    )
+    pieces = QgsProcessingUtils.mapLayerFromString(results["OUTPUT"], context)
+    assert pieces.featureCount() == 6
+    # everything ends in one region: each area is what it was
+    _, layers, said = aggregate(pieces, THRESHOLD=400)
+    (region,) = layers["OUTPUT"]
+    assert region["areas"] == 4
+    given = {a["name"]: a for a in layers["ASSIGNMENT"]}
+    assert len(layers["ASSIGNMENT"]) == 4
+    assert any("area_id" in line for line in said)
+    for feature in layer.getFeatures():
+        made = given[feature["name"]]
+        assert vertices(made.geometry()) == vertices(feature.geometry())
+        assert made.geometry().equals(feature.geometry())
+        assert made["size"] == pytest.approx(feature.geometry().area())
+    assert region.geometry().constGet().ringCount() == 1
+    assert {(x, y) for x, y, _ in vertices(region.geometry())} == {
+        (0, -5), (30, -5), (30, 0), (30, 10), (20, 10), (10, 10), (0, 10), (0, 0)
+    }  # fmt: skip
+    assert all(z == x + 100 * y for x, y, z in vertices(region.geometry()))
+    # the two squares of the dumbbell end in two regions
+    results, layers, _ = aggregate(pieces, THRESHOLD=100)
+    assert len({a["region"] for a in layers["ASSIGNMENT"] if a["name"] == "n0"}) >= 2
+    assert sum(a.geometry().area() for a in layers["ASSIGNMENT"]) == pytest.approx(450.0)
+
+
+@pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
+def test_the_model_runs_in_qgis_process(tmp_path):
+    plugins = tmp_path / "plugins"
+    plugins.mkdir()
+    (plugins / "isthmus").symlink_to(ROOT)
+    environment = {
+        **os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_PLUGINPATH": str(plugins),
+        "QGIS_CUSTOM_CONFIG_PATH": str(tmp_path / "profile"), "XDG_RUNTIME_DIR": str(tmp_path),
+        # the packages of this environment
+        "PYTHONPATH": str(Path(pytest.importorskip("shapely").__file__).parents[1]),
+    }
+
+    def call(*arguments):
+        done = subprocess.run(
+            [QGIS_PROCESS, *arguments], env=environment, stdin=subprocess.DEVNULL,
+            capture_output=True, encoding="utf-8",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    call("plugins", "enable", "isthmus")
+    features = [
+        {"type": "Feature", "properties": {"code": code},
+         "geometry": json.loads(QgsGeometry.fromWkt(wkt).asJson())}
+        for wkt, code in ((DUMBBELL, "1"), (BELOW, "2"), (ABOVE, "2"), (OUTER, "3"))
+    ]  # fmt: skip
+    source, regions, given = (tmp_path / name for name in ("a.geojson", "r.gpkg", "g.gpkg"))
+    source.write_text(json.dumps({
+        "type": "FeatureCollection", "features": features,
+        "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}},
+    }))
+    call(
+        "run", str(ROOT / "resources" / "models" / "prepare_and_aggregate.model3"), "--",
+        f"INPUT={source}", "CLASS=code", "THRESHOLD=120", "METHOD=greedy",
+        f"aggregate:regions={regions}", f"aggregate:areas={given}",
+    )  # fmt: skip
+    made = QgsVectorLayer(str(regions), "r", "ogr")
+    assert made.featureCount() >= 2
+    assert sum(f.geometry().area() for f in made.getFeatures()) == pytest.approx(450.0)
+    assert all(f["size"] >= 120 for f in made.getFeatures())
+    assert QgsVectorLayer(str(given), "g", "ogr").featureCount() >= 4
+
+
+
+def test_objective_of_the_preparation():
+    """A star with many bays: the fewest cuts are not the shortest."""
+    random = Random(5)
+    radii = [random.uniform(20, 100) for _ in range(50)]
+    star = [(r * math.cos(k / 8), r * math.sin(k / 8)) for k, r in enumerate(radii)]
+    wkt = "Polygon((%s))" % ", ".join(f"{x} {y}" for x, y in star + star[:1])
+    layer = areas([(wkt, "1")])
+
+    def cuts(objective, tau):
+        _, layers, _ = prepare(layer, TAU=tau, OBJECTIVE=objective)
+        return [pair["length"] for pair in layers["ADJACENCY"]]
+
+    better = 0
+    for tau in (1.2, 1.5, 2, 3):
+        fewest, shortest = cuts("MinSize", tau), cuts("MinLength", tau)
+        assert len(fewest) <= len(shortest)
+        assert sum(shortest) <= sum(fewest) + 1e-9
+        better += sum(shortest) < sum(fewest) - 1e-9
+    assert better

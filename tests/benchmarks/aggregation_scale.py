@@ -1,0 +1,78 @@
+"""The map of 55,191 polygons: shared boundaries, greedy, annealing; time and memory.
+
+    python tests/benchmarks/aggregation_scale.py [--steps 10000000]
+"""
+
+import argparse
+import resource
+from time import perf_counter
+
+import numpy as np
+from aggregation_data import layer, problem_of, rings
+
+from isthmus.core import metric
+from isthmus.core.aggregation import coverage
+from isthmus.core.aggregation.annealing import annealing
+from isthmus.core.aggregation.greedy import greedy
+from isthmus.core.aggregation.instance import costs, hierarchical_distance, problems
+
+
+def without_nodes(xy, offsets):
+    """Drop the vertices on straight lines: T-junctions then are no vertices of one side."""
+    k = len(xy)
+    after = np.arange(1, k + 1)
+    after[offsets[1:] - 1] = offsets[:-1]
+    before = np.empty(k, dtype=int)
+    before[after] = np.arange(k)
+    first, second = xy - xy[before], xy[after] - xy
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    kept = np.abs(cross) > 1e-9 * np.hypot(*first.T) * np.hypot(*second.T)
+    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    return xy[kept], np.append(0, np.cumsum(np.bincount(ring[kept], minlength=len(offsets) - 1)))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--steps", type=int, default=10_000_000)
+    parser.add_argument("--threshold", type=float, default=200_000.0)
+    options = parser.parse_args()
+    shapes, values = layer("nlcd2011_zion_55191.gpkg", "landcover", ["class"])
+    xy, offsets, owner = rings(shapes)
+
+    def shared(xy, offsets):
+        began = perf_counter()
+        pairs, length = coverage.shared(coverage.cover(xy, offsets, owner), metric.planar())
+        return len(pairs), length.sum(), perf_counter() - began
+
+    print("shared boundaries: {} pairs, {:.0f} m, {:.1f} s".format(*shared(xy, offsets)))
+    fewer, starts = without_nodes(xy, offsets)
+    print("without {} nodes: {} pairs, {:.0f} m, {:.1f} s".format(
+        len(xy) - len(fewer), *shared(fewer, starts)))
+    began = perf_counter()
+    found = coverage.faults(coverage.cover(xy, offsets, owner))
+    print(f"{len(found.overlaps)} overlaps, {len(found.gaps)} gaps, {perf_counter() - began:.1f} s")
+
+    codes = np.unique(values[:, 0])
+    distance = hierarchical_distance([str(code) for code in codes.tolist()])
+    problem = problem_of(
+        shapes, values[:, 0], codes, distance, np.full(len(codes), options.threshold),
+        change=1.0, boundary=30.0, centre=1e-4,
+    )
+    runs = (
+        ("greedy", lambda: greedy(problem)),
+        (f"annealing, {options.steps} steps", lambda: annealing(problem, 1, options.steps)),
+    )
+    for name, run in runs:
+        began = perf_counter()
+        solution = run()
+        took = perf_counter() - began
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
+        print(
+            f"{name}: {took:.1f} s, {len(solution.core)} regions, "
+            f"cost {costs(problem, solution).total:.6g}, {len(problems(problem, solution))} faults, "
+            f"peak memory {memory:.2f} GB", flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

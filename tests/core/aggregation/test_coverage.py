@@ -1,0 +1,214 @@
+"""Shared boundaries, faults, and polygons joined without a trace."""
+
+import numpy as np
+import pytest
+import shapely
+
+from isthmus.core import metric
+from isthmus.core.aggregation.coverage import centroids, cover, faults, joined, shared
+
+
+def rows_of(polygons):
+    coords, sizes, owner = [], [], []
+    for number, polygon in enumerate(polygons):
+        for ring in (polygon.exterior, *polygon.interiors):
+            coords.append(np.array(ring.coords)[:-1])
+            sizes.append(len(coords[-1]))
+            owner.append(number)
+    return np.concatenate(coords), np.append(0, np.cumsum(sizes)), np.array(owner)
+
+
+def covered(*polygons):
+    return cover(*rows_of(polygons))
+
+
+def shape(coverage, polygons):
+    xy = coverage.coords
+    return shapely.MultiPolygon([(xy[r[0]], [xy[h] for h in r[1:]]) for r in polygons])
+
+
+def test_lengths_of_a_noded_coverage():
+    left, right = shapely.box(0, 0, 2, 2), shapely.box(2, 0, 3, 2)
+    pairs, length = shared(covered(left, right), metric.planar())
+    assert pairs.tolist() == [[0, 1]]
+    assert length.tolist() == [2.0]
+
+
+def test_t_junctions_without_nodes():
+    # a tall box beside three low ones: its long side has none of their corners
+    tall = shapely.box(0, 0, 1, 3)
+    low = [shapely.box(1, y, 2, y + 1) for y in range(3)]
+    pairs, length = shared(covered(tall, *low), metric.planar())
+    assert pairs.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]
+    assert length.tolist() == [1.0] * 5
+
+
+def test_edges_that_overlap_in_part_on_both_sides():
+    pairs, length = shared(covered(shapely.box(0, 0, 1, 3), shapely.box(1, 1, 2, 5)), metric.planar())
+    assert pairs.tolist() == [[0, 1]]
+    assert length.tolist() == [2.0]
+
+
+def test_a_junction_off_the_edge_by_rounding():
+    # the corner of the second lies on a slanted edge of the first only up to rounding
+    first = shapely.Polygon([(0, 0), (3.3, 1.1), (0, 5)])
+    third = np.array([3.3, 1.1]) / 3.0
+    second = shapely.Polygon([(0, 0), (0, -3), tuple(third)])
+    pairs, length = shared(covered(first, second), metric.planar())
+    assert length == pytest.approx([np.hypot(*third)])
+
+
+def test_corners_apart_by_rounding():
+    x = 10 + 0.001 * 3
+    other = (10 + 0.001 + 0.001) + 0.001
+    assert x != other
+    left, right = shapely.box(10, 0, x, 2), shapely.box(other, 0, 11, 2)
+    coverage = covered(left, right)
+    assert shared(coverage, metric.planar())[1] == pytest.approx([2.0])
+    ((ring,),) = joined(coverage, [0, 0])[0]
+    assert len(ring) == 6
+    ((ring,),) = joined(coverage, [-1, 0])[0]
+    assert sorted(map(tuple, coverage.coords[ring])) == [(other, 0), (other, 2), (11, 0), (11, 2)]
+
+
+def test_a_polygon_keeps_corners_closer_than_the_tolerance():
+    x = 1e6
+    notch = [(x, 0), (x + 9, 0), (x + 9, 5), (x + 4.0002, 5), (x + 4, 2), (x + 3.9998, 5), (x, 5)]
+    spike = [(x, -5), (x + 9, -5), (x + 9, 0), (x + 5, 0), (x + 4.9998, -4), (x + 4.9996, 0), (x, 0)]
+    polygons = [shapely.Polygon(notch), shapely.Polygon(spike)]
+    coverage = covered(*polygons)
+    found = joined(coverage, [0, 1])
+    for k, polygon in enumerate(polygons):
+        assert shape(coverage, found[k]).equals(polygon)
+        assert sum(map(len, found[k][0])) == 7
+
+
+def test_direction_of_rings_does_not_matter():
+    boxes = [shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1), shapely.box(0, 1, 2, 2)]
+    turned = [boxes[0], boxes[1].reverse(), boxes[2].reverse()]
+    one, other = (shared(covered(*some), metric.planar()) for some in (boxes, turned))
+    assert one[0].tolist() == other[0].tolist()
+    assert one[1].tolist() == other[1].tolist()
+
+
+def test_neighbours_only_at_a_corner_are_none():
+    pairs, _ = shared(covered(shapely.box(0, 0, 1, 1), shapely.box(1, 1, 2, 2)), metric.planar())
+    assert len(pairs) == 0
+
+
+def test_an_island_in_a_hole():
+    ring = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 2))
+    pairs, length = shared(covered(ring, shapely.box(1, 1, 2, 2)), metric.planar())
+    assert length.tolist() == [4.0]
+
+
+def test_a_good_coverage_has_no_faults():
+    found = faults(covered(*(shapely.box(x, y, x + 1, y + 1) for x in range(3) for y in range(3))))
+    assert len(found.overlaps) == len(found.gaps) == 0
+
+
+@pytest.mark.parametrize("second", [
+    shapely.box(1, 1, 3, 3),  # crosses
+    shapely.box(0.5, 0.5, 1, 1),  # inside
+    shapely.box(0, 0, 2, 2),  # equal
+    shapely.box(-1, -1, 3, 3),  # around
+    shapely.box(1, 0, 3, 2),  # shares parts of edges
+])  # fmt: skip
+def test_overlaps(second):
+    found = faults(covered(shapely.box(0, 0, 2, 2), second, shapely.box(9, 9, 10, 10)))
+    assert found.overlaps.tolist() == [[0, 1]]
+
+
+def test_gaps():
+    around = [shapely.box(0, 0, 3, 1), shapely.box(0, 1, 1, 3), shapely.box(2, 1, 3, 3),
+              shapely.box(1, 2, 2, 3)]  # fmt: skip
+    found = faults(covered(*around))
+    assert len(found.overlaps) == 0
+    assert found.gaps.shape == (1, 2)
+    assert shapely.box(1, 1, 2, 2).contains(shapely.Point(found.gaps[0]))
+
+
+def random_coverage(seed, n=60):
+    points = shapely.MultiPoint(np.random.default_rng(seed).random((n, 2)) * 100)
+    cells = shapely.get_parts(shapely.voronoi_polygons(points, extend_to=shapely.box(0, 0, 100, 100)))
+    return list(cells)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_joined_regions_are_the_unions(seed):
+    polygons = random_coverage(seed)
+    coverage = covered(*polygons)
+    label = np.random.default_rng(seed).integers(-1, 5, len(polygons))
+    found = joined(coverage, label)
+    for one in range(5):
+        group = [polygon for polygon, l in zip(polygons, label) if l == one]
+        whole = shapely.union_all(group)
+        made = shape(coverage, found[one])
+        assert made.is_valid
+        assert made.area == pytest.approx(whole.area)
+        assert made.symmetric_difference(whole).area < 1e-6
+    assert -1 not in found
+
+
+def test_joined_pieces_leave_no_trace():
+    """Cut along a diagonal between vertices, joined again: the very same vertices."""
+    coords = np.array([[0, 0, 7], [4, 0, 8], [4, 1, 9], [2, 1.5, 1], [4, 2, 2], [4, 4, 3], [0, 4, 4.0]])
+    pieces = [[0, 1, 2, 3], [3, 4, 5, 6], [6, 0, 3]]
+    rows = np.concatenate(pieces)
+    offsets = np.append(0, np.cumsum([len(p) for p in pieces]))
+    coverage = cover(coords[rows], offsets, np.arange(3))
+    (rings,) = joined(coverage, np.zeros(3))[0]
+    (ring,) = rings
+    assert sorted(map(tuple, coverage.coords[ring])) == sorted(map(tuple, coords))
+
+
+def test_points_of_neighbours_leave_no_trace():
+    """A junction on an outer edge is a vertex of the neighbour only."""
+    tall, low, lower = shapely.box(0, 0, 1, 3), shapely.box(1, 1, 2, 3), shapely.box(1, 0, 2, 1)
+    top = shapely.box(0, 3, 2, 4)
+    coverage = covered(tall, low, lower, top)
+    ((ring,),) = joined(coverage, [0, -1, -1, -1])[0]
+    assert sorted(map(tuple, coverage.coords[ring])) == [(0, 0), (0, 3), (1, 0), (1, 3)]
+    ((ring,),) = joined(coverage, [0, 0, 1, 1])[0]
+    assert sorted(map(tuple, coverage.coords[ring])) == [(0, 0), (0, 3), (1, 0), (1, 1), (1, 3),
+                                                         (2, 1), (2, 3)]  # fmt: skip
+
+
+def test_a_region_that_touches_itself_at_a_point():
+    # a ring of eight boxes without its middle and one beside it: the hole touches the outside
+    boxes = [shapely.box(x, y, x + 1, y + 1) for x in range(4) for y in range(3)]
+    missing = {(1, 1), (2, 2)}
+    kept = [b for b in boxes if (int(b.bounds[0]), int(b.bounds[1])) not in missing]
+    coverage = covered(*kept)
+    (polygon,) = joined(coverage, np.zeros(len(kept)))[0]
+    made = shape(coverage, [polygon])
+    assert made.is_valid
+    assert made.equals(shapely.union_all(kept))
+    assert len(polygon) == 2
+
+
+def test_an_island_inside_the_hole_of_another_part():
+    outer = shapely.box(0, 0, 9, 9).difference(shapely.box(1, 1, 8, 8))
+    middle = shapely.box(1, 1, 8, 8).difference(shapely.box(3, 3, 5, 5))
+    coverage = covered(outer, middle, shapely.box(3, 3, 5, 5))
+    found = joined(coverage, [0, 1, 0])
+    assert len(found[0]) == 2
+    made = shape(coverage, found[0])
+    assert made.is_valid
+    assert made.area == outer.area + 4.0
+
+
+def test_centroids_with_holes():
+    ring = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 3)).reverse()
+    far = shapely.affinity.translate(ring, 1e6, 5e6)
+    coverage = covered(ring, far)
+    area, moment = centroids(coverage, coverage.coords, 2)
+    assert area == pytest.approx([14.0, 14.0])
+    for k, polygon in enumerate((ring, far)):
+        assert moment[k] / area[k] == pytest.approx([polygon.centroid.x, polygon.centroid.y], abs=1e-7)
+
+
+def test_nothing():
+    coverage = cover(np.zeros((0, 2)), np.array([0]), np.zeros(0, dtype=int))
+    assert joined(coverage, np.zeros(0)) == {}
+    assert len(shared(coverage, metric.planar())[0]) == 0

@@ -1,0 +1,209 @@
+"""The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
+
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from isthmus.core.aggregation.annealing import annealing
+from isthmus.core.aggregation.exact import exact, problems_of
+from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
+from isthmus.core.aggregation.instance import build, costs, enough, problems, solution
+
+from .brute_force import cheapest
+from .maps import grid, random_map
+
+SEEDS = range(40)
+
+
+def by_all_methods(problem):
+    """The solutions of all methods; exact where there is scipy."""
+    yield greedy(problem)
+    yield annealing(problem, iterations=4000)
+    if find_spec("scipy"):
+        yield exact(problem).found
+
+
+def check(problem, found):
+    assert not problems_of(problem, found, helpless(problem))
+    assert sorted(set(found.region.tolist())) == list(range(len(found.core)))
+    assert (found.region[found.core] == np.arange(len(found.core))).all()
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_exact_is_the_cheapest_of_all_partitions(seed, by_class):
+    pytest.importorskip("scipy")
+    problem = random_map(seed, by_class=by_class)
+    lost = helpless(problem)
+    if lost.any():
+        result = exact(problem)
+        check(problem, result.found)
+        return
+    big = enough(problem.size, problem.theta[problem.cls])
+    for decompose in (False, True):
+        result = exact(problem, decompose=decompose)
+        best = cheapest(problem, big if decompose else None)
+        check(problem, result.found)
+        assert result.proven
+        assert result.bound == pytest.approx(best, rel=1e-6)
+        # a core may be exchanged for a cheaper one afterwards
+        assert costs(problem, result.found).total <= best * (1 + 1e-9)
+        if not decompose:
+            assert costs(problem, result.found).total == pytest.approx(best, rel=1e-6)
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_heuristics_are_feasible_and_not_below_the_optimum(seed, by_class):
+    problem = random_map(seed, by_class=by_class)
+    first = greedy(problem)
+    second = annealing(problem, seed=seed, iterations=4000)
+    for found in (first, second):
+        check(problem, found)
+    assert costs(problem, second).total <= costs(problem, first).total + 1e-9
+    if not helpless(problem).any():
+        assert costs(problem, second).total >= cheapest(problem) * (1 - 1e-9)
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_larger_maps_are_feasible(seed, by_class):
+    problem = random_map(seed, n=150, by_class=by_class)
+    first = greedy(problem)
+    second = annealing(problem, seed=1, iterations=40_000)
+    check(problem, first)
+    check(problem, second)
+    assert costs(problem, second).total < costs(problem, first).total
+
+
+def test_same_seed_same_result_another_seed_another():
+    problem = random_map(3, n=150)
+    runs = [annealing(problem, seed=s, iterations=20_000).region.tolist() for s in (5, 5, 6)]
+    assert runs[0] == runs[1]
+    assert runs[0] != runs[2]
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+def test_prices_of_moves_are_the_differences_of_costs(by_class):
+    from isthmus.core.aggregation.annealing import _State
+
+    problem = random_map(8, n=60, by_class=by_class)
+    begin = greedy(problem)
+    state = _State(problem, begin, 0, None)
+    before = costs(problem, begin).total
+    v, to = state.every_move()
+    delta = state.price(v, to, 0.0)
+    assert np.isfinite(delta).sum() > 20
+    for k in np.flatnonzero(np.isfinite(delta)).tolist():
+        region = begin.region.copy()
+        region[v[k]] = to[k]
+        core = begin.core.copy()
+        after = costs(problem, begin._replace(region=region, core=core)).total
+        assert delta[k] == pytest.approx(after - before, abs=1e-9)
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+def test_prices_of_groups_are_the_differences_of_costs(by_class):
+    from isthmus.core.aggregation.annealing import _State
+
+    problem = random_map(8, n=60, by_class=by_class)
+    begin = greedy(problem)
+    state = _State(problem, begin, 0, None)
+    before, tried = costs(problem, begin).total, 0
+    for v, to in zip(*(a.tolist() for a in state.every_move())):
+        r = state.labels[v]
+        group = {u for u in (v, *state.adjacent[v]) if state.labels[u] == r and u != state.core[r]}
+        if v not in group or len(group) < 2:
+            continue
+        tried += 1
+        region = begin.region.copy()
+        region[sorted(group)] = to
+        after = costs(problem, begin._replace(region=region)).total
+        assert state.group_price(group, r, to, 0.0) == pytest.approx(after - before, abs=1e-9)
+    assert tried > 10
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("count", [None, 12])
+def test_the_state_stays_true(by_class, count):
+    from isthmus.core.aggregation.annealing import Schedule, _State
+
+    problem = random_map(5, n=120, by_class=by_class)
+    state = _State(problem, greedy(problem), 7, count)
+    state.cool(30_000, None, Schedule(), lambda share: None)
+    assert state.applied > 300
+    used = np.unique(state.region)
+    assert state.region.tolist() == state.labels
+    assert len(used) == state.regions
+    for r in used.tolist():
+        assert state.members[r] == set(np.flatnonzero(state.region == r).tolist())
+        assert state.number[r] == len(state.members[r])
+        assert state.size[r] == pytest.approx(problem.size[state.region == r].sum())
+        assert state.core[r] in state.members[r]
+    assert sorted(state.free) == sorted(set(range(len(problem.size))) - set(used.tolist()))
+    # contiguous, though perhaps too small
+    assert not [p for p in problems(problem, state.current()) if p[1] == "not contiguous"]
+
+
+@pytest.mark.parametrize("wanted", [3, 8, 15, 25])
+def test_a_fixed_number_of_regions(wanted):
+    problem = random_map(2, n=150)._replace(theta=np.full(3, 25.0))
+    for found in (
+        reach_count(problem, greedy(problem), wanted),
+        annealing(problem, seed=0, iterations=20_000, count=wanted),
+    ):
+        check(problem, found)
+        assert len(found.core) == wanted
+
+
+def test_an_island_that_is_too_small_is_left_as_it_is():
+    # two areas of one class and one of another on an island, beside a mainland
+    size = [10.0, 10.0, 1.0, 1.0, 1.0]
+    problem = build(
+        size, [0, 1, 0, 0, 1], np.arange(5.0), [(0, 1), (2, 3), (3, 4)], np.ones(3),
+        1.0 - np.eye(2), np.full(2, 15.0), boundary=0.1,
+    )  # fmt: skip
+    assert helpless(problem).tolist() == [False, False, True, True, True]
+    for found in by_all_methods(problem):
+        assert found.region.tolist() == [0, 0, 1, 1, 2]
+        assert [r for r, _ in problems(problem, found)] == [1, 2]
+
+
+def test_an_excluded_class_does_not_appear():
+    n = 16
+    cls = np.arange(n) % 2
+    problem = build(
+        np.full(n, 30.0), cls, np.arange(n) * (1 + 0j), grid(4, 4), np.ones(24), 1.0 - np.eye(2),
+        [20.0, np.inf], boundary=1.0,
+    )  # fmt: skip
+    for found in by_all_methods(problem):
+        check(problem, found)
+        assert (problem.cls[found.core] == 0).all()
+
+
+def test_a_threshold_larger_than_the_map_changes_nothing():
+    problem = random_map(1, n=30)._replace(theta=np.full(3, 1e9))
+    for found in by_all_methods(problem):
+        assert (problem.cls[found.core][found.region] == problem.cls).all()
+    assert helpless(problem).all()
+
+
+def test_best_cores_are_the_cheapest_by_hand():
+    # three areas in a row; the middle one is the best centre
+    problem = build(
+        [1.0, 1.0, 1.0], [0, 0, 0], [0, 1, 2], [(0, 1), (1, 2)], [1, 1], np.zeros((1, 1)), [0.0],
+        centre=1.0,
+    )  # fmt: skip
+    found = solution(problem, np.zeros(3))
+    assert found.core.tolist() == [1]
+    assert costs(problem, found).centre == 2.0
+    assert costs(problem, found).centre_distance == pytest.approx(2 / 3)
+
+
+def test_a_time_limit_keeps_a_feasible_map_and_a_bound_below_it():
+    pytest.importorskip("scipy")
+    problem = random_map(4, n=60)._replace(theta=np.full(3, 60.0))
+    result = exact(problem, seconds=1.0, decompose=False)
+    check(problem, result.found)
+    assert result.bound <= costs(problem, result.found).total * (1 + 1e-9)
