@@ -282,16 +282,21 @@ def prepare(
         edges = accepted.edges
     check(0.8)
 
-    kept = attachable[edges].all(axis=1)
-    edges = edges[kept]
+    kept = attachable[edges].all(axis=1) if min_hole > 0.0 else np.ones(len(edges), dtype=bool)
     length = measure.length(position, edges[:, 0], edges[:, 1])
-    tree = spanning_tree(polygon, component, edges, length, wanted)
-    bounded = length * polygon.unit >= min_length
+    tree = np.empty(0, dtype=np.int64)
+    if len(wanted) > 1:
+        joining = np.flatnonzero(kept)
+        tree = joining[
+            spanning_tree(polygon, component, edges[joining], length[joining], wanted)
+        ]
+    bounded = kept & (length * polygon.unit >= min_length)
     needed = bounded | _mask(tree, len(edges))
-    if accepted is not None:
-        accepted = accepted._replace(edge_line=accepted.edge_line[kept][needed])
-    tree = np.searchsorted(np.flatnonzero(needed), tree)
-    edges, length, bounded = edges[needed], length[needed], bounded[needed]
+    if not needed.all():
+        edges, length, bounded = edges[needed], length[needed], bounded[needed]
+        tree = np.searchsorted(np.flatnonzero(needed), tree)
+        if accepted is not None:
+            accepted = accepted._replace(edge_line=accepted.edge_line[needed])
     edge_length = measure.length(position, polygon.vertex, polygon.vertex[polygon.next_corner])
     prepared = Prepared(
         polygon=polygon,
