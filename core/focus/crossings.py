@@ -1,8 +1,9 @@
-"""Where edges of the deformed map cross, and the links that keep them apart.
+"""Where edges of the deformed map cross, and the bounds that keep them apart.
 
-A crossing is a relation that the graph does not know: two lines that shall not pass each other.
-Van Dijk and Haunert (2014) glue the point of contact; here the two edges get a link of their own
-where they were closest in the input. So they keep a gap, and nothing touches that did not touch.
+As van Dijk and Haunert (2014) do, the way to a map with crossings is followed until the first ones.
+There they glue the point of contact to the edge; here, as in Haunert and Sering (2011), the two
+edges must leave a strip free between them. So nothing touches that did not touch before, and lines
+may slide along each other, and part again.
 """
 
 from __future__ import annotations
@@ -10,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from .deformation import Links
+from .deformation import Bounds
 
-__all__ = ["contacts", "crossing_pairs"]
+__all__ = ["crossing_pairs", "separations"]
 
 
 def crossing_pairs(xy, edges):
@@ -41,43 +42,45 @@ def crossing_pairs(xy, edges):
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def contacts(xy, edges, pairs):
-    """Return a link for each pair of edges, between their closest points in the input.
+def separations(xy, edges, pairs, gap):
+    """Return bounds that keep pairs of edges apart (Haunert and Sering 2011).
+
+    Across the closest points of two edges lies a strip that both leave free. Its direction stays,
+    and each end of the one edge stays on its side of each end of the other.
 
     Parameters
     ----------
     xy : (n, 2) float
-        Positions in the input, where the edges of a pair do not meet.
+        Positions where the edges of a pair do not meet.
     edges : (m, 2) int
     pairs : (k, 2) int
+    gap : float
+        The share of the strip's width that must stay.
 
     Returns
     -------
-    Links
+    Bounds
+        Four of each pair.
     """
     first, second = edges[pairs[:, 0]], edges[pairs[:, 1]]
     ways = [  # a vertex of one, the edge of the other
         (first[:, 0], second), (first[:, 1], second), (second[:, 0], first), (second[:, 1], first)
     ]
-    t = np.stack([_foot(xy, p, edge) for p, edge in ways])
-    gap = np.stack([_distance(xy, p, edge, t[k]) for k, (p, edge) in enumerate(ways)])
-    best = gap.argmin(axis=0)
-    every = np.arange(len(pairs))
-    p = np.stack([p for p, _ in ways])[best, every]
-    edge = np.stack([edge for _, edge in ways])[best, every]
-    t = t[best, every]
-    # at an end of the edge the link is one between vertices
-    u = np.where(t >= 1.0, edge[:, 1], edge[:, 0])
-    return Links(p, u, edge[:, 1], np.where(t >= 1.0, 0.0, t), np.ones(len(p)))
+    strip = np.stack([xy[p] - _nearest(xy, p, edge) for p, edge in ways])
+    strip[2:] *= -1.0  # from the second to the first
+    width = np.hypot(strip[..., 0], strip[..., 1])
+    best = width.argmin(axis=0), np.arange(len(pairs))
+    strip, width = strip[best], width[best]
+    return Bounds(
+        p=first[:, [0, 0, 1, 1]].ravel(),
+        q=second[:, [0, 1, 0, 1]].ravel(),
+        normal=np.repeat(strip / width[:, None], 4, axis=0),
+        least=np.repeat(gap * width, 4),
+    )
 
 
-def _foot(xy, p, edge):
-    """Place on each edge nearest to a vertex, 0 to 1."""
+def _nearest(xy, p, edge):
+    """The point of each edge nearest to a vertex."""
     along = xy[edge[:, 1]] - xy[edge[:, 0]]
-    towards = xy[p] - xy[edge[:, 0]]
-    return np.clip((along * towards).sum(axis=1) / (along * along).sum(axis=1), 0.0, 1.0)
-
-
-def _distance(xy, p, edge, t):
-    gap = xy[p] - (1.0 - t)[:, None] * xy[edge[:, 0]] - t[:, None] * xy[edge[:, 1]]
-    return np.hypot(gap[:, 0], gap[:, 1])
+    t = ((xy[p] - xy[edge[:, 0]]) * along).sum(axis=1) / (along * along).sum(axis=1)
+    return xy[edge[:, 0]] + np.clip(t, 0.0, 1.0)[:, None] * along

@@ -6,8 +6,9 @@ positions are, the distortion is the sum over vertices u and their neighbours v 
     |s_u D - d|^2 / |D|^2
 
 There is no rotation: north stays up. In the focus s is given, and positions are those of the
-scaled region up to one translation, so all of it is exact. Other coordinates may be fixed, to
-keep the frame. What is solved for are the displacements, and s - 1: at scale 1 they are zero.
+scaled region up to one translation, so all of it is exact. Single coordinates may be fixed, and
+`Bounds` keep vertices in the frame, and lines from crossing. What is solved for are the
+displacements, and s - 1: at scale 1 they are zero.
 """
 
 from __future__ import annotations
@@ -16,53 +17,57 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Links", "edge_links", "solve"]
+__all__ = ["Bounds", "NO_BOUNDS", "Program"]
 
-REFINEMENTS = 4  # of the normal equations, whose condition is that of the problem squared
+REFINEMENTS = 3  # of the normal equations, whose condition is that of the problem squared
+TOLERANCE = 1e-11  # of bounds
 
 
-class Links(NamedTuple):
-    """Pairs of points whose vector is to keep its direction and the local scale.
-
-    A link leads from the vertex p to the point (1 - t) u + t v; on an edge of the graph t is 0.
+class Bounds(NamedTuple):
+    """Bounds a (x_p - x_q) + b (y_p - y_q) >= least.
 
     Attributes
     ----------
-    p, u, v : (m,) int
-    t : (m,) float
-    weight : (m,) float
+    p, q : (k,) int
+        Vertices; q is -1 where the coordinates of p themselves are bounded.
+    normal : (k, 2) float
+        (a, b), of length 1.
+    least : (k,) float
     """
 
     p: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    t: np.ndarray
-    weight: np.ndarray
+    q: np.ndarray
+    normal: np.ndarray
+    least: np.ndarray
 
-    def vectors(self, xy):
-        """(m, 2): from p to the other end."""
-        t = self.t[:, None]
-        return (1.0 - t) * xy[self.u] + t * xy[self.v] - xy[self.p]
+    def excess(self, xy):
+        """(k,): by how much each bound is kept; negative where it is not."""
+        other = np.where((self.q >= 0)[:, None], xy[self.q], 0.0)
+        return ((xy[self.p] - other) * self.normal).sum(axis=1) - self.least
+
+    def where(self, chosen):
+        """Some of these."""
+        return Bounds(*(values[chosen] for values in self))
 
     def joined(self, other):
-        """These links, then others."""
-        return Links(*(np.concatenate(pair) for pair in zip(self, other)))
+        """These, then others."""
+        return Bounds(*(np.concatenate(values) for values in zip(self, other)))
 
 
-def edge_links(edges):
-    """Return the edges of a graph as links of weight 1."""
-    p, u = edges.T
-    return Links(p, u, u, np.zeros(len(p)), np.ones(len(p)))
+NO_BOUNDS = Bounds(*np.empty((2, 0), dtype=np.int64), np.empty((0, 2)), np.empty(0))
 
 
-def solve(xy, links, group, origin, scale, fixed):
-    """Return positions and local scales of least distortion.
+class Program:
+    """The quadratic program of one map: least distortion, with the bounds met so far.
+
+    The matrix is factorised once. A bound that is not kept costs one more solution with it, and
+    from then on belongs to a small dense program for the forces that the bounds exert.
 
     Parameters
     ----------
     xy : (n, 2) float
         Of about size 1.
-    links : Links
+    edges : (m, 2) int
         They connect all vertices.
     group : (n,) int
         The region in focus that each vertex belongs to, -1 for none.
@@ -72,36 +77,125 @@ def solve(xy, links, group, origin, scale, fixed):
     fixed : sequence of (axis, vertex, displacement)
         Axis 0 is x, 1 is y, 2 is s. A vertex in focus fixes its region.
 
-    Returns
-    -------
-    xy : (n, 2) float
-    s : (n,) float
-
     Notes
     -----
-    One sparse factorisation of 3 n unknowns; nearly O(n) for the graph of a map.
+    One sparse factorisation of 3 n unknowns, nearly O(n) for the graph of a map; about O(n) for
+    each bound.
     """
-    n = len(xy)
-    column, constant = _unknowns(xy, group, origin, scale, fixed)
-    jacobian = _jacobian(xy, links)
-    used = np.unique(column[column >= 0])
-    number = np.full(3 * n + 1, -1)
-    number[used] = np.arange(len(used))
-    column = number[column]  # -1 stays -1
-    z = constant.copy()
-    free = column >= 0
-    if len(used):
-        from scipy.sparse import csr_matrix
 
-        rows = np.flatnonzero(free)
-        spread = csr_matrix((np.ones(len(rows)), (rows, column[rows])), (3 * n, len(used)))
-        reduced = (jacobian @ spread).tocsc()
-        factor = _factorise((reduced.T @ reduced).tocsc())
-        y = np.zeros(len(used))
+    def __init__(self, xy, edges, group, origin, scale, fixed):
+        n = len(xy)
+        self.start = xy
+        column, self.constant = _unknowns(xy, group, origin, scale, fixed)
+        free = np.flatnonzero(column >= 0)
+        used, number = np.unique(column[free], return_inverse=True)
+        self.spread = _sparse(np.ones(len(free)), free, number.ravel(), (3 * n, len(used)))
+        self.distortion = _distortion(xy, edges)
+        self.reduced = (self.distortion @ self.spread).tocsc()
+        self.factor = _factorise((self.reduced.T @ self.reduced).tocsc()) if len(used) else None
+        self.bounds, self.rows, self.gram, self.force = NO_BOUNDS, None, np.empty((0, 0)), None
+        self.free = self._least(np.zeros(len(used)))
+        self.z = self.free
+
+    @property
+    def xy(self):
+        """(n, 2): positions."""
+        n = len(self.start)
+        return self.start + np.column_stack((self.z[:n], self.z[n:2 * n]))
+
+    @property
+    def s(self):
+        """(n,): local scales."""
+        return 1.0 + self.z[2 * len(self.start):]
+
+    def add(self, bounds):
+        """Meet more bounds; return whether that was possible.
+
+        Parameters
+        ----------
+        bounds : Bounds
+        """
+        from scipy.sparse import vstack
+
+        rows = (self._full_rows(bounds) @ self.spread).tocsr()
+        movable = np.flatnonzero(np.diff(rows.indptr))
+        if len(movable) < len(bounds.p):
+            return False
+        response = self.factor.solve(rows.T.toarray())
+        old = len(self.bounds.p)
+        self.rows = rows if self.rows is None else vstack((self.rows, rows)).tocsr()
+        gram = np.empty((len(response.T) + old,) * 2)
+        gram[:old, :old] = self.gram
+        gram[:, old:] = self.rows @ response
+        gram[old:, :old] = gram[:old, old:].T
+        gram[old:, old:] = (gram[old:, old:] + gram[old:, old:].T) / 2.0
+        self.gram, self.bounds = gram, self.bounds.joined(bounds)
+        n = len(self.start)
+        at_rest = self.start + np.column_stack((self.free[:n], self.free[n:2 * n]))
+        unit = 1.0 / np.sqrt(np.diag(gram))
+        force = _forces(gram * np.outer(unit, unit), -self.bounds.excess(at_rest) * unit)
+        if force is None:
+            return False
+        self.z = self._least(self.rows.T @ (force * unit))
+        return True
+
+    def _least(self, force):
+        """Displacements and s - 1 of least distortion under forces on the unknowns."""
+        if self.factor is None:
+            return self.constant
+        y = np.zeros(len(force))
         for _ in range(1 + REFINEMENTS):
-            y -= factor.solve(reduced.T @ (jacobian @ (constant + spread @ y)))
-        z = constant + spread @ y
-    return xy + np.column_stack((z[:n], z[n:2 * n])), 1.0 + z[2 * n:]
+            gradient = self.reduced.T @ (self.distortion @ (self.constant + self.spread @ y))
+            y -= self.factor.solve(gradient - force)
+        return self.constant + self.spread @ y
+
+    def _full_rows(self, bounds):
+        """Bounds as rows over all displacements."""
+        n, k = len(self.start), len(bounds.p)
+        row, two = np.arange(k), np.flatnonzero(bounds.q >= 0)
+        entries = []
+        for axis in (0, 1):
+            value = bounds.normal[:, axis]
+            entries.append((value, row, axis * n + bounds.p))
+            entries.append((-value[two], two, axis * n + bounds.q[two]))
+        rows = _sparse(*(np.concatenate(part) for part in zip(*entries)), (k, 3 * n))
+        rows.eliminate_zeros()
+        return rows
+
+
+def _forces(gram, lack):
+    """Solve gram f >= lack, f >= 0, one of both equal everywhere (block principal pivoting).
+
+    Returns
+    -------
+    (k,) float or None
+        None where there is no solution, or none was found.
+    """
+    k = len(lack)
+    gram = gram + 1e-13 * np.eye(k)
+    pressing = np.zeros(k, dtype=bool)
+    fewest, patience = k + 1, 5
+    for _ in range(20 * k + 100):
+        force = np.zeros(k)
+        at = np.flatnonzero(pressing)
+        try:
+            force[at] = np.linalg.solve(gram[np.ix_(at, at)], lack[at])
+        except np.linalg.LinAlgError:
+            return None
+        wrong = np.where(pressing, force < -TOLERANCE, gram @ force - lack < -TOLERANCE)
+        count = np.count_nonzero(wrong)
+        if count == 0:
+            return np.maximum(force, 0.0)
+        if count < fewest:
+            fewest, patience = count, 5
+        else:
+            patience -= 1
+        if patience > 0:
+            pressing ^= wrong
+        else:  # one at a time, the last: slow, but it ends
+            last = np.flatnonzero(wrong)[-1]
+            pressing[last] = ~pressing[last]
+    return None
 
 
 def _unknowns(xy, group, origin, scale, fixed):
@@ -132,35 +226,26 @@ def _unknowns(xy, group, origin, scale, fixed):
     return column, constant
 
 
-def _jacobian(xy, links):
-    """The matrix of s D - d at both ends of each link, of displacements and s - 1."""
+def _distortion(xy, edges):
+    """The matrix of (s D - d) / |D| at both ends of each edge, of displacements and s - 1."""
+    n, m = len(xy), len(edges)
+    u, v = edges.T
+    vector = xy[v] - xy[u]
+    factor = 1.0 / np.hypot(vector[:, 0], vector[:, 1])
+    entries = []
+    for axis in (0, 1):
+        for end, at in enumerate((u, v)):
+            row = (2 * end + axis) * m + np.arange(m)
+            entries.append((factor, row, axis * n + u))
+            entries.append((-factor, row, axis * n + v))
+            entries.append((factor * vector[:, axis], row, 2 * n + at))
+    return _sparse(*(np.concatenate(part) for part in zip(*entries)), (4 * m, 3 * n))
+
+
+def _sparse(values, rows, columns, shape):
     from scipy.sparse import csr_matrix
 
-    n, m = len(xy), len(links.p)
-    vector = links.vectors(xy)
-    factor = np.sqrt(links.weight) / np.hypot(vector[:, 0], vector[:, 1])
-    first, second = factor * (1.0 - links.t), factor * links.t
-    bent = np.flatnonzero(links.t)
-    row, column, value = [], [], []
-
-    def add(which, axis, end, at, entry):
-        row.append((2 * end + axis) * m + which)
-        column.append(at)
-        value.append(entry)
-
-    every = np.arange(m)
-    for axis in (0, 1):
-        direction = factor * vector[:, axis]
-        for end in (0, 1):
-            add(every, axis, end, axis * n + links.p, factor)
-            add(every, axis, end, axis * n + links.u, -first)
-            add(bent, axis, end, axis * n + links.v[bent], -second[bent])
-        add(every, axis, 0, 2 * n + links.p, direction)
-        add(every, axis, 1, 2 * n + links.u, direction * (1.0 - links.t))
-        add(bent, axis, 1, 2 * n + links.v[bent], (direction * links.t)[bent])
-    return csr_matrix(
-        (np.concatenate(value), (np.concatenate(row), np.concatenate(column))), (4 * m, 3 * n)
-    )
+    return csr_matrix((values, (rows, columns)), shape)
 
 
 def _factorise(matrix):
