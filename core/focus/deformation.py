@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Bounds", "NO_BOUNDS", "Program"]
+__all__ = ["Bounds", "NO_BOUNDS", "Program", "focus_program", "repair_program"]
 
 REFINEMENTS = 3  # of the normal equations, whose condition is that of the problem squared
-TOLERANCE = 1e-11  # of bounds
+TOLERANCE = 1e-9  # of bounds
 
 
 class Bounds(NamedTuple):
@@ -58,42 +58,36 @@ NO_BOUNDS = Bounds(*np.empty((2, 0), dtype=np.int64), np.empty((0, 2)), np.empty
 
 
 class Program:
-    """The quadratic program of one map: least distortion, with the bounds met so far.
+    """A quadratic program over the displacements of a map, with the bounds added so far.
 
     The matrix is factorised once. A bound that is not kept costs one more solution with it, and
     from then on belongs to a small dense program for the forces that the bounds exert.
 
     Parameters
     ----------
-    xy : (n, 2) float
-        Of about size 1.
-    edges : (m, 2) int
-        They connect all vertices.
-    group : (n,) int
-        The region in focus that each vertex belongs to, -1 for none.
-    origin : (g, 2) float
-        A point of each region; what its scaling is counted from.
-    scale : float
-    fixed : sequence of (axis, vertex, displacement)
-        Axis 0 is x, 1 is y, 2 is s. A vertex in focus fixes its region.
+    start : (n, 2) float
+        Positions that displacements are counted from.
+    matrix : (r, k n) sparse
+        The sum of squares of its product with the displacements of x, then of y, and then whatever
+        follows, is to be least.
+    column : (k n,) int
+        The unknown behind each of these, -1 for none.
+    constant : (k n,) float
+        What is added to the unknown.
 
     Notes
     -----
-    One sparse factorisation of 3 n unknowns, nearly O(n) for the graph of a map; about O(n) for
-    each bound.
+    One sparse factorisation, nearly O(n) for the graph of a map; about O(n) for each bound.
     """
 
-    def __init__(self, xy, edges, group, origin, scale, fixed):
-        n = len(xy)
-        self.start = xy
-        column, self.constant = _unknowns(xy, group, origin, scale, fixed)
+    def __init__(self, start, matrix, column, constant):
+        self.start, self.matrix, self.constant = start, matrix, constant
         free = np.flatnonzero(column >= 0)
         used, number = np.unique(column[free], return_inverse=True)
-        self.spread = _sparse(np.ones(len(free)), free, number.ravel(), (3 * n, len(used)))
-        self.distortion = _distortion(xy, edges)
-        self.reduced = (self.distortion @ self.spread).tocsc()
+        self.spread = _sparse(np.ones(len(free)), free, number.ravel(), (len(column), len(used)))
+        self.reduced = (matrix @ self.spread).tocsc()
         self.factor = _factorise((self.reduced.T @ self.reduced).tocsc()) if len(used) else None
-        self.bounds, self.rows, self.gram, self.force = NO_BOUNDS, None, np.empty((0, 0)), None
+        self.bounds, self.rows, self.gram = NO_BOUNDS, None, np.empty((0, 0))
         self.free = self._least(np.zeros(len(used)))
         self.z = self.free
 
@@ -121,7 +115,9 @@ class Program:
         movable = np.flatnonzero(np.diff(rows.indptr))
         if len(movable) < len(bounds.p):
             return False
-        response = self.factor.solve(rows.T.toarray())
+        target = rows.T.toarray()
+        response = self.factor.solve(target)
+        response += self.factor.solve(target - self.reduced.T @ (self.reduced @ response))
         old = len(self.bounds.p)
         self.rows = rows if self.rows is None else vstack((self.rows, rows)).tocsr()
         gram = np.empty((len(response.T) + old,) * 2)
@@ -133,11 +129,19 @@ class Program:
         n = len(self.start)
         at_rest = self.start + np.column_stack((self.free[:n], self.free[n:2 * n]))
         unit = 1.0 / np.sqrt(np.diag(gram))
-        force = _forces(gram * np.outer(unit, unit), -self.bounds.excess(at_rest) * unit)
-        if force is None:
-            return False
-        self.z = self._least(self.rows.T @ (force * unit))
-        return True
+        gram = gram * np.outer(unit, unit)
+        lack = -self.bounds.excess(at_rest) * unit
+        for _ in range(4):
+            force = _forces(gram, lack)
+            if force is None:
+                return False
+            self.z = self._least(self.rows.T @ (force * unit))
+            excess = self.bounds.excess(self.xy)
+            if excess.min() > -TOLERANCE:
+                return True
+            # the matrix has the precision of its factorisation only: aim at what is missing
+            lack += gram @ force - lack - excess * unit
+        return bool(excess.min() > -100.0 * TOLERANCE)
 
     def _least(self, force):
         """Displacements and s - 1 of least distortion under forces on the unknowns."""
@@ -145,7 +149,7 @@ class Program:
             return self.constant
         y = np.zeros(len(force))
         for _ in range(1 + REFINEMENTS):
-            gradient = self.reduced.T @ (self.distortion @ (self.constant + self.spread @ y))
+            gradient = self.reduced.T @ (self.matrix @ (self.constant + self.spread @ y))
             y -= self.factor.solve(gradient - force)
         return self.constant + self.spread @ y
 
@@ -158,13 +162,16 @@ class Program:
             value = bounds.normal[:, axis]
             entries.append((value, row, axis * n + bounds.p))
             entries.append((-value[two], two, axis * n + bounds.q[two]))
-        rows = _sparse(*(np.concatenate(part) for part in zip(*entries)), (k, 3 * n))
+        shape = (k, len(self.constant))
+        rows = _sparse(*(np.concatenate(part) for part in zip(*entries)), shape)
         rows.eliminate_zeros()
         return rows
 
 
 def _forces(gram, lack):
-    """Solve gram f >= lack, f >= 0, one of both equal everywhere (block principal pivoting).
+    """Solve gram f >= lack, f >= 0, one of both equal everywhere.
+
+    By block principal pivoting, which mostly takes a few steps.
 
     Returns
     -------
@@ -172,30 +179,95 @@ def _forces(gram, lack):
         None where there is no solution, or none was found.
     """
     k = len(lack)
-    gram = gram + 1e-13 * np.eye(k)
+    gram = gram + 1e-12 * np.eye(k)  # four bounds of a pair, and more, may say the same
     pressing = np.zeros(k, dtype=bool)
-    fewest, patience = k + 1, 5
-    for _ in range(20 * k + 100):
+    fewest, patience = k + 1, 10
+    while patience:
         force = np.zeros(k)
         at = np.flatnonzero(pressing)
         try:
             force[at] = np.linalg.solve(gram[np.ix_(at, at)], lack[at])
         except np.linalg.LinAlgError:
-            return None
-        wrong = np.where(pressing, force < -TOLERANCE, gram @ force - lack < -TOLERANCE)
+            break
+        wrong = np.where(pressing, force < 0.0, gram @ force - lack < -0.1 * TOLERANCE)
         count = np.count_nonzero(wrong)
         if count == 0:
-            return np.maximum(force, 0.0)
-        if count < fewest:
-            fewest, patience = count, 5
-        else:
-            patience -= 1
-        if patience > 0:
-            pressing ^= wrong
-        else:  # one at a time, the last: slow, but it ends
-            last = np.flatnonzero(wrong)[-1]
-            pressing[last] = ~pressing[last]
-    return None
+            return force
+        patience = 10 if count < fewest else patience - 1
+        fewest = min(count, fewest)
+        pressing ^= wrong
+    return _forces_slowly(gram, lack)
+
+
+def _forces_slowly(gram, lack):
+    """The same by the method of Lawson and Hanson, which always ends."""
+    from scipy.optimize import nnls
+
+    try:
+        root = np.linalg.cholesky(gram)
+        force = nnls(root.T, np.linalg.solve(root, lack), maxiter=30 * len(lack))[0]
+    except (np.linalg.LinAlgError, RuntimeError):
+        return None
+    return force if (gram @ force - lack).min() > -1e-7 else None
+
+
+def focus_program(xy, edges, group, origin, scale, fixed):
+    """Return the program of a map with regions in focus.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+        Of about size 1.
+    edges : (m, 2) int
+        They connect all vertices.
+    group : (n,) int
+        The region in focus that each vertex belongs to, -1 for none.
+    origin : (g, 2) float
+        A point of each region; what its scaling is counted from.
+    scale : float
+    fixed : sequence of (axis, vertex, displacement)
+        Axis 0 is x, 1 is y, 2 is s. A vertex in focus fixes its region.
+
+    Returns
+    -------
+    Program
+    """
+    column, constant = _unknowns(xy, group, origin, scale, fixed)
+    return Program(xy, _distortion(xy, edges), column, constant)
+
+
+def repair_program(xy, carried, edges, fixed):
+    """Return the program that changes the edges of a map as little as possible.
+
+    It minimises |d - d'|^2 / |D|^2, d being the vector of an edge as given, and d' the one after.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+        Positions in the input, for D.
+    carried : (n, 2) float
+        Positions as given.
+    edges : (m, 2) int
+    fixed : (n,) bool
+        Vertices that stay.
+
+    Returns
+    -------
+    Program
+    """
+    n, m = len(xy), len(edges)
+    u, v = edges.T
+    factor = 1.0 / np.hypot(*(xy[v] - xy[u]).T)
+    row = np.arange(m)
+    entries = []
+    for axis in (0, 1):
+        entries.append((factor, axis * m + row, axis * n + u))
+        entries.append((-factor, axis * m + row, axis * n + v))
+    # a component without a fixed vertex would float
+    entries.append((np.full(2 * n, 1e-3), 2 * m + np.arange(2 * n), np.arange(2 * n)))
+    matrix = _sparse(*(np.concatenate(part) for part in zip(*entries)), (2 * m + 2 * n, 2 * n))
+    column = np.where(np.tile(fixed, 2), -1, np.arange(2 * n))
+    return Program(carried, matrix, column, np.zeros(2 * n))
 
 
 def _unknowns(xy, group, origin, scale, fixed):
