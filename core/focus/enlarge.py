@@ -20,6 +20,7 @@ from .untangle import last_good, new_crossings, pair_keys, repair, settle
 
 __all__ = ["FocusMap", "enlarge"]
 
+ATTEMPTS = 4  # to solve, with more detail where lines crossed
 MOST = 3000  # vertices of the outline to solve on
 SIDES = 64  # a focus without vertices of the map gets about so many on its outline
 
@@ -162,49 +163,36 @@ def enlarge(
     needed[graph.edges[changes].ravel()] = True
     for axis in (0, 1):
         needed[[xy[:, axis].argmin(), xy[:, axis].argmax()]] = True
-    outline = simplify(xy, graph.edges, needed, most, check)
-    check = stage(0.05, 0.15)
-    kept = np.zeros(len(xy), dtype=bool)
-    kept[outline.kept] = True
-    skipped = []
-    if edges is None:
-        chosen = _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check)
-    else:
-        chosen = given
-    chosen = unique_pairs(chosen, len(xy))
-    place = np.full(len(xy), -1)
-    place[outline.kept] = np.arange(len(outline.kept))
-    solid = np.concatenate((outline.edges, chosen))
-    bridges = outline.kept[joins(xy[outline.kept], place[solid], tau)]
-    links = np.unique(place[np.concatenate((solid, bridges))], axis=0)
-
-    # solve
-    check = stage(0.15, 0.75)
-    segments = place[outline.edges]
-    start = xy[outline.kept]
-    known = pair_keys(crossing_pairs(start, segments), len(segments))
-    fixed = _fixed(start, group[outline.kept], origin, scale, frame)
-    if inside.all():
-        after, problem = origin[group] + scale * (xy - origin[group]), ""
-    else:
-        program = focus_program(start, links, group[outline.kept], origin, scale, fixed)
-        solved, s, problem = settle(program, segments, known, box, check)
-        after, local = xy.copy(), np.ones(len(xy))
-        after[outline.kept], local[outline.kept] = solved, s
-        after = carry(outline, xy, after, local)
-        for g in range(len(regions)):  # exact, to the last digit
-            mine = np.flatnonzero(group == g)
-            anchor = mine[kept[mine]][0] if kept[mine].any() else mine[0]
-            after[mine] = after[anchor] + scale * (xy[mine] - xy[anchor])
-
-    # what the outline did not know
-    check = stage(0.75, 0.9)
     known = pair_keys(crossing_pairs(xy, graph.edges), len(graph.edges))
-    if len(outline.rider) and not problem:
-        steady = inside.copy()
-        for axis in (0, 1):
-            steady[[xy[:, axis].argmin(), xy[:, axis].argmax()]] |= frame
+    steady = inside.copy()
+    for axis in (0, 1):
+        steady[[xy[:, axis].argmin(), xy[:, axis].argmax()]] |= frame
+    for attempt in range(ATTEMPTS):
+        outline = simplify(xy, graph.edges, needed, most, check)
+        kept = np.zeros(len(xy), dtype=bool)
+        kept[outline.kept] = True
+        skipped, chosen = [], given
+        if edges is None:
+            check = stage(0.05, 0.15)
+            chosen = _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check)
+        chosen = unique_pairs(chosen, len(xy))
+        check = stage(0.15, 0.75)
+        if inside.all():
+            after, bridges = origin[group] + scale * (xy - origin[group]), given[:0]
+            problem = ""
+            break
+        after, bridges, problem = _solved(
+            xy, outline, chosen, group, origin, scale, tau, frame, box, check
+        )
+        check = stage(0.75, 0.9)
+        if problem or not len(outline.rider):
+            break
+        # what the outline did not know
         after = repair(xy, after, graph.edges, known, steady, box, check)
+        crossed = graph.edges[new_crossings(after, graph.edges, known)]
+        if not len(crossed):
+            break
+        _refine(xy, outline, crossed, needed)
     shapes = _shapes(graph, starts, polygons)
     was_valid = shapely.is_valid(shapes(xy))
 
@@ -239,6 +227,38 @@ def enlarge(
         problem=problem,
         skipped=skipped,
     )
+
+
+def _solved(xy, outline, chosen, group, origin, scale, tau, frame, box, check):
+    """Positions of all vertices, the edges that join islands, and what is wrong, or ''."""
+    place = np.full(len(xy), -1)
+    place[outline.kept] = np.arange(len(outline.kept))
+    solid = np.concatenate((outline.edges, chosen))
+    bridges = outline.kept[joins(xy[outline.kept], place[solid], tau)]
+    links = unique_pairs(place[np.concatenate((solid, bridges))], len(outline.kept))
+    segments = place[solid]  # diagonals too: the parts of the map stay in their places
+    start = xy[outline.kept]
+    known = pair_keys(crossing_pairs(start, segments), len(segments))
+    fixed = _fixed(start, group[outline.kept], origin, scale, frame)
+    program = focus_program(start, links, group[outline.kept], origin, scale, fixed)
+    solved, s, problem = settle(program, segments, known, box, check)
+    after, local = xy.copy(), np.ones(len(xy))
+    after[outline.kept], local[outline.kept] = solved, s
+    after = carry(outline, xy, after, local)
+    is_kept = place >= 0
+    for g in range(len(origin)):  # exact, to the last digit
+        mine = np.flatnonzero(group == g)
+        anchor = mine[np.argmax(is_kept[mine])]
+        after[mine] = after[anchor] + scale * (xy[mine] - xy[anchor])
+    return after, bridges, problem
+
+
+def _refine(xy, outline, crossed, needed):
+    """Keep more detail of the outline around edges that cross."""
+    from scipy.spatial import cKDTree
+
+    near = cKDTree(xy[outline.rider]).query_ball_point(xy[np.unique(crossed)], 0.005)
+    needed[outline.rider[np.unique(np.concatenate(near).astype(np.int64))]] = True
 
 
 def _regions(focus):

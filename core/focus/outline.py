@@ -69,24 +69,22 @@ def simplify(xy, edges, needed, most, check):
     tolerance = 1e-4
     while True:
         check()
-        place = _simplified(xy, chain, start, np.full(len(start) - 1, tolerance))
+        place = _simplified(xy, chain, start, tolerance)
         if len(np.unique(chain[place])) <= most or tolerance > 0.05:
             break
         tolerance *= 1.5
-    tolerance = np.full(len(start) - 1, tolerance)
-    for _ in range(12):
+    while True:
+        # where straight lines cross that did not before, halve them
         check()
-        piece = np.flatnonzero(np.diff(np.searchsorted(start, place, side="right")) == 0)
-        lines = np.column_stack((chain[place[piece]], chain[place[piece + 1]]))
-        pairs = crossing_pairs(xy, lines)
-        of_piece = np.searchsorted(start, place[piece], side="right") - 1
-        coarse = np.diff(place)[piece] > 1
-        bad = pairs[coarse[pairs].any(axis=1)]
+        first = place[_pieces(place, start)]
+        last = place[_pieces(place, start) + 1]
+        coarse = last - first > 1
+        pairs = crossing_pairs(xy, np.column_stack((chain[first], chain[last])))
+        bad = np.unique(pairs[coarse[pairs].any(axis=1)])
+        bad = bad[coarse[bad]]
         if not len(bad):
             break
-        arcs = np.unique(of_piece[bad[coarse[bad]]])
-        tolerance[arcs] *= 0.4
-        place = _simplified(xy, chain, start, tolerance)
+        place = np.union1d(place, (first[bad] + last[bad]) // 2)
     is_kept = np.zeros(len(chain), dtype=bool)
     is_kept[place] = True
     rider = np.flatnonzero(~is_kept)
@@ -95,7 +93,7 @@ def simplify(xy, edges, needed, most, check):
     step = np.hypot(*np.diff(xy[chain], axis=0, prepend=xy[chain[:1]]).T)
     along = np.cumsum(step)
     share = (along[rider] - along[before]) / np.maximum(along[after] - along[before], 1e-300)
-    piece = np.flatnonzero(np.diff(np.searchsorted(start, place, side="right")) == 0)
+    piece = _pieces(place, start)
     lines = np.column_stack((chain[place[piece]], chain[place[piece + 1]]))
     return Outline(
         kept=np.unique(chain[place]),
@@ -175,6 +173,11 @@ def _chains(n, edges, needed, xy):
             chains += [ring[:far + 1], ring[far:]]
     sizes = [len(chain) for chain in chains]
     return np.concatenate(chains), np.append(0, np.cumsum(sizes))
+
+
+def _pieces(place, start):
+    """Which places have their next one on the same arc."""
+    return np.flatnonzero(np.diff(np.searchsorted(start, place, side="right")) == 0)
 
 
 def _simplified(xy, chain, start, tolerance):
