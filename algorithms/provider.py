@@ -6,6 +6,7 @@ from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
 from .base import ICON
+from .focus_map import FocusMapAlgorithm
 from .partition import PartitionAlgorithm
 
 
@@ -30,3 +31,4 @@ class IsthmusProvider(QgsProcessingProvider):
 
     def loadAlgorithms(self):
         self.addAlgorithm(PartitionAlgorithm())
+        self.addAlgorithm(FocusMapAlgorithm())

@@ -281,8 +281,7 @@ def _groups(graph, rows, starts, polygons, regions):
     extent = shapely.box(*low, *high)
     used, outlines = [], []
     for region in regions:
-        shapely.prepare(region)
-        if shapely.intersects_xy(region, *graph.xy.T).any():
+        if _inside(region, graph.xy).any():
             used.append(region)
         elif _meets(region, rows, starts, polygons):
             used.append(region)
@@ -304,12 +303,26 @@ def _groups(graph, rows, starts, polygons, regions):
         )
     group = np.full(len(graph.xy), -1)
     for g, region in enumerate(used):
-        group[shapely.intersects_xy(region, *graph.xy.T)] = g
+        group[_inside(region, graph.xy)] = g
     place = len(rows)
     for g, ring in outlines:
         group[graph.vertex[place:place + len(ring)]] = g
         place += len(ring)
     return graph, group, used
+
+
+def _inside(region, xy):
+    """Whether points lie in a region or on its outline.
+
+    Not by `shapely.intersects_xy`: with shapely's wheel inside QGIS, which has a GEOS of its own, that
+    crashes (shapely 2.1.2, QGIS 3.22).
+    """
+    shapely.prepare(region)
+    low_x, low_y, high_x, high_y = shapely.bounds(region)
+    x, y = xy.T
+    inside = (x >= low_x) & (x <= high_x) & (y >= low_y) & (y <= high_y)
+    inside[inside] = shapely.covers(region, shapely.points(xy[inside]))
+    return inside
 
 
 def _meets(region, rows, starts, polygons):
