@@ -8,6 +8,8 @@ from . import features
 class CandidateLines:
     """The lines of a layer, and what became of them over all polygons.
 
+    Line k is ``ends[k]``, of the feature ``ids[k]`` with ``attributes[k]``.
+
     Parameters
     ----------
     source : QgsProcessingFeatureSource
@@ -21,10 +23,10 @@ class CandidateLines:
 
         from ..core.candidates import OFF_VERTICES
 
-        request = QgsFeatureRequest().setSubsetOfAttributes([])
+        self.fields, self.attributes = source.fields(), []
         transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
         self.ids, ends, self.bent = [], [], []
-        for feature in source.getFeatures(request):
+        for feature in source.getFeatures(QgsFeatureRequest()):
             geometry = feature.geometry()
             if not geometry.isNull() and transform.isValid() and not transform.isShortCircuited():
                 geometry.transform(transform)
@@ -33,6 +35,7 @@ class CandidateLines:
             if len(straight) < len(lines) or not lines:
                 self.bent.append(feature.id())
             self.ids += [feature.id()] * len(straight)
+            self.attributes += [feature.attributes()] * len(straight)
             ends += straight
         self.ends = np.array(ends).reshape(-1, 2, 2)
         self.verdict = np.full(len(self.ids), OFF_VERTICES)

@@ -31,7 +31,7 @@ from . import features
 from .base import WITHOUT_VALIDITY_CHECK, IsthmusAlgorithm, dependency_problem, style_on_load
 from .features import REAL, TEXT
 
-RULES = ("MinSize", "Greedy", "Proximity", "None")
+RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
 
 HELP = """
@@ -164,7 +164,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 usesStaticStrings=True,
             ),
             "MinSize: the fewest edges so that no way along outline and edges is more than tau times "
-            "as long as the straight line, for all diagonals of a triangulation. Greedy: van Dijk and "
+            "as long as the straight line, for all diagonals of a triangulation. MinLength: those of "
+            "least total length. Greedy: van Dijk and "
             "others 2013. Proximity: Harrie and Sarjakoski 2002. None: only the lines of the map.",
         )
         add(

@@ -8,6 +8,8 @@ from qgis.PyQt.QtGui import QIcon
 from .base import ICON
 from .focus_map import FocusMapAlgorithm
 from .partition import PartitionAlgorithm
+from .partition_budget import PartitionBudgetAlgorithm
+from .tradeoff import TradeoffAlgorithm
 
 
 class IsthmusProvider(QgsProcessingProvider):
@@ -30,5 +32,7 @@ class IsthmusProvider(QgsProcessingProvider):
         return next(line[8:] for line in text.splitlines() if line.startswith("version="))
 
     def loadAlgorithms(self):
-        self.addAlgorithm(PartitionAlgorithm())
-        self.addAlgorithm(FocusMapAlgorithm())
+        for tool in (
+            PartitionAlgorithm, PartitionBudgetAlgorithm, TradeoffAlgorithm, FocusMapAlgorithm
+        ):
+            self.addAlgorithm(tool())

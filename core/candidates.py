@@ -1,4 +1,4 @@
-"""Which edges may be selected: a user's own lines, and edges at holes that do not count.
+"""Which edges may be selected: a triangulation's diagonals or a user's own lines.
 
 Section 4.2 of the paper: any set of diagonals that do not cross serves as candidate set C.
 """
@@ -10,9 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from .polygon import signed_areas
+from .polygon import signed_areas, without_rings
+from .triangulation import diagonals
 
-__all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "from_lines", "selectable"]
+__all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "counted", "from_lines",
+           "from_triangulation"]
 
 # What became of a line; PROBLEMS says it in words. The higher, the closer it was to a diagonal.
 ACCEPTED, OFF_VERTICES, LEAVES, TOUCHES, REPEATED, CROSSES = range(6)
@@ -100,15 +102,44 @@ def from_lines(polygon, lines):
     return Lines(np.column_stack((u, v))[order], good[order], verdict, other)
 
 
-def selectable(polygon, component, edges, equal_area, min_hole):
-    """Find the boundary components that count, and the edges not attached to other holes.
+def from_triangulation(polygon, component, wanted, conformal=None, engine=None):
+    """Find the diagonals of a triangulation that do not touch the boundary components left out.
 
     Parameters
     ----------
     polygon : Polygon
     component : (r,) int
         Component of each ring.
-    edges : (k, 2) int
+    wanted : set of int
+        The components that count. The triangulation is that of the polygon without the others, so
+        that a neck with an islet in it can still be cut beside the islet.
+    conformal, engine
+        See `triangulation.diagonals`.
+
+    Returns
+    -------
+    (k, 2) int
+        Vertex indices u < v, u ascending, then v descending.
+    """
+    free = ~np.isin(component, list(wanted))
+    if not free.any():
+        return diagonals(polygon, conformal, engine)
+    rest, vertex = without_rings(polygon, free)
+    edges = vertex[diagonals(rest, conformal, engine)]
+    rings = shapely.linearrings(polygon.xy[polygon.vertex], indices=polygon.ring_of_corner)
+    holes = shapely.STRtree(shapely.polygons(rings[free]))
+    hit, _ = holes.query(shapely.linestrings(polygon.xy[edges]), predicate="intersects")
+    return np.delete(edges, hit, axis=0)
+
+
+def counted(polygon, component, equal_area, min_hole):
+    """Find the boundary components that count, and the vertices where cuts may end.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    component : (r,) int
+        Component of each ring.
     equal_area : callable
         See `metric.Metric`.
     min_hole : float
@@ -118,22 +149,26 @@ def selectable(polygon, component, edges, equal_area, min_hole):
     -------
     wanted : set of int
         The components that count.
-    kept : (k,) bool
-        Edges with no end at a vertex that only small holes have.
+    attachable : (n,) bool
+        Vertices on a ring that counts by itself.
     """
+    attachable = np.ones(len(polygon.xy), dtype=bool)
     if len(component) == 1 or min_hole <= 0.0:
-        return set(component.tolist()), np.ones(len(edges), dtype=bool)
+        return set(component.tolist()), attachable
     area = np.abs(signed_areas(equal_area(polygon.xy)[polygon.vertex], polygon.offsets))
     counts = area * polygon.unit * polygon.unit >= min_hole
     counts[0] = True
-    attachable = np.zeros(len(polygon.xy), dtype=bool)
-    attachable[polygon.vertex[counts[polygon.ring_of_corner]]] = True
-    return set(component[counts].tolist()), attachable[edges].all(axis=1)
+    # a corner inserted where a small hole touches an edge is a vertex of that hole alone
+    own = counts[polygon.ring_of_corner] & ~polygon.inserted
+    attachable[:] = False
+    attachable[polygon.vertex[own]] = True
+    return set(component[counts].tolist()), attachable
 
 
 def _nearest_vertices(xy, lines):
     """(l, 2): the vertex at each end, or -1."""
-    points = shapely.points(lines.reshape(-1, 2))
+    lines = lines.reshape(-1, 2)
+    points = shapely.points(np.where(np.isfinite(lines), lines, np.inf))  # GEOS fails on NaN
     place, vertex = shapely.STRtree(shapely.points(xy)).query_nearest(
         points, max_distance=TOLERANCE * max(np.abs(xy).max(), 1e-300), all_matches=False
     )

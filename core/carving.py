@@ -201,7 +201,9 @@ def _twin(half, corners):
 
 def _follow(following, corners):
     """The half-edges of the walk, from the shell's first corner on, in runs along the rings."""
-    jumps = np.flatnonzero(following[:corners] != np.arange(1, corners + 1))
+    jumps = np.flatnonzero(
+        (following[:corners] != np.arange(1, corners + 1)) | (np.arange(1, corners + 1) == corners)
+    )
     runs, half = [], 0
     for _ in range(len(following)):
         if half < corners:

@@ -201,20 +201,23 @@ def largest_dilation(graph, edges, length, bound, check):
     return largest
 
 
-def drop_redundant(polygon, edge_length, edges, length, selected, bounded, tau, check):
+def drop_redundant(graph, edges, length, selected, weight, bounded, tau, check):
     """Drop selected edges without which all candidates are still within tau.
 
     Parameters
     ----------
-    polygon, edge_length, edges, length
-        See `boundary_graph`.
+    graph : BoundaryGraph
+        Of P and S; loses the edges that are dropped.
+    edges, length : (k, 2) int, (k,) float
     selected : (s,) int
         The edges in S, T included.
+    weight : (k,) float
+        The heaviest edge is tried first.
     bounded : (k,) bool
         The candidates proper; other edges only connect holes and need no witness.
     tau : float
     check : callable
-        Called with the share done; may raise `Cancelled`.
+        Called now and then; may raise `Cancelled`.
 
     Returns
     -------
@@ -223,17 +226,16 @@ def drop_redundant(polygon, edge_length, edges, length, selected, bounded, tau, 
 
     Notes
     -----
-    The longest edge is tried first. One bounded shortest-path search for each selected edge; a
-    pass over all candidates for the few that survive it.
+    One bounded shortest-path search for each selected edge; a pass over all candidates for the few
+    that survive it.
     """
-    graph = boundary_graph(polygon, edge_length, edges, length, selected)
     allowed = tau * length * (1.0 + SLACK)
     waiting = bounded.copy()
     waiting[selected] = False
     keep = np.ones(len(selected), dtype=bool)
-    for count, s in enumerate(np.argsort(-length[selected], kind="stable").tolist()):
+    for count, s in enumerate(np.argsort(-weight[selected], kind="stable").tolist()):
         if count % 64 == 0:
-            check(count / len(selected))
+            check()
         c = selected[s]
         a, b = graph.node[edges[c]].tolist()
         del graph.cuts[a][b], graph.cuts[b][a]

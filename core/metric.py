@@ -3,8 +3,8 @@
 A metric is three functions of vertex coordinates, so that no other stage needs to know what the
 coordinates mean. On an ellipsoid
 
-* a length is that of the geodesic, from the chord through the ellipsoid (error below 0.02 %,
-  and below 1e-5 for edges up to 1,000 km);
+* a length is that of the geodesic, from the chord through the ellipsoid (largest error measured:
+  0.0011 % for edges up to 1,000 km, 0.03 % up to 5,000 km, 0.34 % up to 15,000 km);
 * areas are those of the ellipsoid, in a cylindrical equal-area map;
 * the Delaunay property is that of the Mercator projection: it is conformal, and it keeps
   parallels and meridians straight.

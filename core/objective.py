@@ -88,7 +88,7 @@ def min_size(net, tau, check=None):
     tau : float
         Largest dilation allowed, at least 1.
     check : callable, optional
-        Called now and then; may raise `Cancelled`.
+        Called now and then with the share done; may raise `Cancelled`.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def witness_lengths(net, cut, check=None):
     return sides(net, cut, check or _nothing)
 
 
-def _nothing():
+def _nothing(_share=None):
     pass
 
 
@@ -157,7 +157,7 @@ def _states_by_level(net, tau, check):
     serves = np.empty(len(length), dtype=bool)
     for d in range(len(levels) - 1, -1, -1):
         if d % 64 == 0:
-            check()
+            check(1.0 - d / len(levels))
         e = levels[d]
         spare = best[e] - total[e]
         serves[e] = spare >= length[e] * (1.0 - SLACK)
@@ -186,7 +186,7 @@ def _states_by_node(net, tau, check):
     shrink, grow = 1.0 - SLACK, 1.0 + SLACK
     for e in range(n - 1, -1, -1):
         if e % 65536 == 0:
-            check()
+            check(1.0 - e / n)
         own, up = length[e], parent[e]
         allowed, path = tau * own, total[e]
         spare = best[e] - path

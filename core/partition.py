@@ -1,4 +1,8 @@
-"""The whole road of one polygon through the stages: rings in, parts and cuts out."""
+"""The whole road of one polygon through the stages: rings in, parts and cuts out.
+
+`partition` walks it once. `prepare` and `select` let the dual problem and the trade-off curve solve
+for many tau on one triangulation; `finish` makes the parts.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import metric
-from .candidates import Lines, from_lines, selectable
+from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .cuts import boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
@@ -15,9 +19,106 @@ from .errors import Cancelled
 from .objective import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .parts import Parts, build_parts
 from .polygon import Polygon, from_rings
-from .triangulation import diagonals
 
-__all__ = ["Partition", "partition"]
+__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
+
+
+class Prepared(NamedTuple):
+    """A polygon with its candidates, ready to be solved for any tau.
+
+    Lengths are in units of the metric divided by ``polygon.unit``.
+
+    Attributes
+    ----------
+    polygon : Polygon
+    measure : metric.Metric
+    position : (n, k) float
+        Where the vertices are, for ``measure.length``.
+    component, wanted : (r,) int, set of int
+        Boundary component of each ring, and which of them count.
+    edges : (k, 2) int
+        Candidate edges and edges of T.
+    length, detour : (k,) float
+    bounded : (k,) bool
+        The candidates proper: an edge of T shorter than the least length is none.
+    edge_length : (c,) float
+        Length of the polygon edge that leaves each corner.
+    carved : Carved
+    lines : Lines or None
+        What became of the lines given as candidates.
+    """
+
+    polygon: Polygon
+    measure: metric.Metric
+    position: np.ndarray
+    component: np.ndarray
+    wanted: set
+    edges: np.ndarray
+    length: np.ndarray
+    detour: np.ndarray
+    bounded: np.ndarray
+    edge_length: np.ndarray
+    carved: Carved
+    lines: Lines | None
+
+    @property
+    def edge_rows(self):
+        """(k, 2) int: input rows at the ends of the edges."""
+        row = np.empty(len(self.polygon.xy), dtype=np.int64)
+        row[self.polygon.vertex] = self.polygon.rows[self.polygon.row_start[:-1]]
+        return row[self.edges]
+
+    @property
+    def has_holes(self):
+        """Whether distances on the carved polygon are only upper bounds."""
+        return len(self.polygon.offsets) > 2
+
+
+class Carved(NamedTuple):
+    """A polygon carved open along T (section 4.3).
+
+    Attributes
+    ----------
+    tree : (t,) int
+        The edges of T, ascending.
+    free : (f,) int
+        All other edges.
+    walk : Walk
+    net : Network
+        Its nodes are the free edges.
+    """
+
+    tree: np.ndarray
+    free: np.ndarray
+    walk: Walk
+    net: Network
+
+    @property
+    def node_edge(self):
+        """(f,) int: the edge of each node but the root."""
+        return self.free[self.net.tree.diagonal]
+
+
+class Selection(NamedTuple):
+    """A solution S.
+
+    Attributes
+    ----------
+    selected : (s,) int
+        The edges in S, ascending.
+    carved : Carved
+        With a T that is part of S.
+    cost, lower_bound : float
+        What S costs, and what a solution for the carved polygon must cost.
+    dilation : float or None
+        The largest dilation of a candidate in P and S, if it was asked for.
+    """
+
+    selected: np.ndarray
+    carved: Carved
+    cost: float
+    lower_bound: float
+    dilation: float | None
 
 
 class Partition(NamedTuple):
@@ -41,6 +142,9 @@ class Partition(NamedTuple):
         Dilation in P and S, if it was asked for.
     largest_dilation : float
         The largest of these (1 if there are no candidates).
+    cost, lower_bound : float
+        What the selected edges cost (MinSize: their number), and what they must cost at least;
+        for a polygon with holes, on the polygon carved open.
     role : (k,) int
         SELF (in S), LEAF or ROOT: on which side the witness lies.
     parts : Parts
@@ -56,6 +160,8 @@ class Partition(NamedTuple):
     detour: np.ndarray
     dilation: np.ndarray | None
     largest_dilation: float
+    cost: float
+    lower_bound: float
     role: np.ndarray
     parts: Parts
     lines: Lines | None
@@ -70,11 +176,13 @@ def partition(
     lines=None,
     measure=None,
     engine=None,
+    weigh=None,
+    max_gap=0.001,
     all_dilations=False,
     progress=None,
     cancelled=None,
 ):
-    """Partition a polygon at its bottlenecks with the fewest cuts (MinSize).
+    """Partition a polygon at its bottlenecks with the cheapest cuts.
 
     Parameters
     ----------
@@ -96,6 +204,11 @@ def partition(
         Default: `metric.planar()`.
     engine : str, optional
         See `triangulation.diagonals`.
+    weigh : callable, optional
+        Weighs the candidates for MinWeight: called with the prepared polygon, it returns (k,)
+        weights >= 0; ``lambda prepared: prepared.length`` gives MinLength. Default: MinSize.
+    max_gap : float
+        See `select`.
     all_dilations : bool
         Whether ``dilation`` is wanted. On large polygons with many holes it takes time.
     progress : callable, optional
@@ -118,28 +231,54 @@ def partition(
     O(n) after validation, triangulation and sorting, for polygons without holes. Optimal for these
     (Theorem 1), a heuristic with checked dilations for polygons with holes (section 4.3).
     """
+    check = _checker(progress, cancelled)
+    prepared = prepare(
+        coords, offsets, min_length, min_hole, lines, measure, engine, _stretch(check, 0.0, 0.65)
+    )
+    weight = None if weigh is None else weigh(prepared)
+    selection = select(prepared, tau, weight, max_gap, _stretch(check, 0.65, 0.9), False)
+    result = finish(prepared, selection, all_dilations, _stretch(check, 0.9, 1.0))
+    check(1.0)
+    return result
+
+
+def prepare(
+    coords, offsets, min_length=0.0, min_hole=0.0, lines=None, measure=None, engine=None, check=None
+):
+    """Triangulate a polygon, connect its holes and carve it open.
+
+    Parameters
+    ----------
+    coords, offsets, min_length, min_hole, lines, measure, engine
+        See `partition`.
+    check : callable, optional
+        Called with the share done; may raise `Cancelled`.
+
+    Returns
+    -------
+    Prepared
+
+    Raises
+    ------
+    Unsolvable, MissingEngine
+    """
     measure = measure or metric.planar()
-
-    def check(share=None):
-        if cancelled is not None and cancelled():
-            raise Cancelled("cancelled")
-        if progress is not None and share is not None:
-            progress(share)
-
+    check = check or _nothing
     check(0.0)
     polygon = from_rings(coords, offsets)
     position = measure.positions(polygon.xy)
-    check(0.1)
+    check(0.15)
+    component = components(polygon)
+    wanted, attachable = counted(polygon, component, measure.equal_area, min_hole)
     if lines is None:
-        accepted, edges = None, diagonals(polygon, measure.conformal, engine)
+        accepted = None
+        edges = from_triangulation(polygon, component, wanted, measure.conformal, engine)
     else:
         accepted = from_lines(polygon, lines)
         edges = accepted.edges
-    check(0.5)
+    check(0.8)
 
-    # which edges are candidates, and which join the holes
-    component = components(polygon)
-    wanted, kept = selectable(polygon, component, edges, measure.equal_area, min_hole)
+    kept = attachable[edges].all(axis=1)
     edges = edges[kept]
     length = measure.length(position, edges[:, 0], edges[:, 1])
     tree = spanning_tree(polygon, component, edges, length, wanted)
@@ -150,73 +289,135 @@ def partition(
     tree = np.searchsorted(np.flatnonzero(needed), tree)
     edges, length, bounded = edges[needed], length[needed], bounded[needed]
     edge_length = measure.length(position, polygon.vertex, polygon.vertex[polygon.next_corner])
-    detour = detours(polygon, edge_length, edges, length)
-    check(0.6)
+    prepared = Prepared(
+        polygon=polygon,
+        measure=measure,
+        position=position,
+        component=component,
+        wanted=wanted,
+        edges=edges,
+        length=length,
+        detour=detours(polygon, edge_length, edges, length),
+        bounded=bounded,
+        edge_length=edge_length,
+        carved=None,
+        lines=accepted,
+    )
+    return prepared._replace(carved=_carve(prepared, tree))
 
-    # solve on the carved polygon
-    carved = _carve(polygon, component, wanted, position, measure, edges, length, tree)
-    check(0.7)
-    cut = min_size(carved.net, tau, check)[1:] == SELF
-    selected = np.sort(np.append(tree, carved.free[carved.net.tree.diagonal[cut]]))
-    check(0.8)
 
-    # what the carved polygon cannot know: a path may pass a hole on its other side
-    holes = len(polygon.offsets) > 2
-    if holes:
-        selected = drop_redundant(
-            polygon, edge_length, edges, length, selected, bounded, tau, lambda _: check()
+def select(prepared, tau, weight=None, max_gap=0.001, check=None, with_dilation=True):
+    """Choose the edges to cut.
+
+    Parameters
+    ----------
+    prepared : Prepared
+    tau : float
+        Largest dilation allowed.
+    weight : (k,) float, optional
+        Weight of each edge for MinWeight; MinSize without.
+    max_gap : float
+        For MinWeight: largest accepted gap between cost and lower bound, as a share of the cost.
+    check : callable, optional
+        Called now and then; may raise `Cancelled`.
+    with_dilation : bool
+        Whether ``dilation`` is wanted.
+
+    Returns
+    -------
+    Selection
+    """
+    check = check or _nothing
+    check(0.0)
+    carved = prepared.carved
+    if weight is None:
+        cut = min_size(carved.net, tau, _stretch(check, 0.0, 0.8)) == SELF
+        lower_bound = float(np.count_nonzero(cut[1:]) + len(carved.tree))
+    else:
+        cut, lower_bound = min_weight(
+            carved.net, np.append(0.0, weight[carved.node_edge]), tau, max_gap, check
         )
-        if not np.isin(tree, selected).all():
-            tree = selected[
-                spanning_tree(polygon, component, edges[selected], length[selected], wanted)
-            ]
-            carved = _carve(polygon, component, wanted, position, measure, edges, length, tree)
-    role, dilation = _witnesses(carved, length, selected, check)
-    largest = dilation[bounded].max(initial=1.0)
-    if holes:
-        graph = boundary_graph(polygon, edge_length, edges, length, selected)
-        if all_dilations:
-            dilation = true_dilations(graph, edges, length, dilation, check)
-            largest = dilation[bounded].max(initial=1.0)
-        else:
-            largest = largest_dilation(
-                graph, edges[bounded], length[bounded], dilation[bounded], check
-            )
-    check(0.9)
+        lower_bound += float(weight[carved.tree].sum())
+    selected = np.sort(np.append(carved.tree, carved.node_edge[cut[1:]]))
+    check(0.8)
+    if prepared.has_holes:
+        selected, carved = _without_redundant(prepared, carved, selected, tau, weight, check)
+    dilation = None
+    if with_dilation:
+        _, bound = _witnesses(prepared, carved, selected, check)
+        dilation = _largest_dilation(prepared, selected, bound, check)
+    cost = float(len(selected) if weight is None else weight[selected].sum())
+    return Selection(selected, carved, cost, min(lower_bound, cost), dilation)
 
-    result = build_parts(polygon, carved.walk, selected, tree, measure.equal_area)
-    check(1.0)
-    row = np.empty(len(polygon.xy), dtype=np.int64)
-    row[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
+
+def finish(prepared, selection, all_dilations=False, check=None):
+    """Make the parts of a solution.
+
+    Parameters
+    ----------
+    prepared : Prepared
+    selection : Selection
+    all_dilations : bool
+        See `partition`.
+    check : callable, optional
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    Partition
+    """
+    check = check or _nothing
+    polygon, carved = prepared.polygon, selection.carved
+    role, dilation = _witnesses(prepared, carved, selection.selected, check)
+    largest = selection.dilation
+    if largest is None:
+        largest = _largest_dilation(prepared, selection.selected, dilation, check)
+    if prepared.has_holes:
+        dilation = true_dilations(
+            _graph(prepared, selection.selected), prepared.edges, prepared.length, dilation, check
+        ) if all_dilations else None
+    check()
     return Partition(
         polygon=polygon,
-        edges=edges,
-        edge_rows=row[edges],
-        length=length * polygon.unit,
-        detour=detour,
-        dilation=dilation if all_dilations or not holes else None,
-        largest_dilation=float(largest),
+        edges=prepared.edges,
+        edge_rows=prepared.edge_rows,
+        length=prepared.length * polygon.unit,
+        detour=prepared.detour,
+        dilation=dilation,
+        largest_dilation=largest,
+        cost=selection.cost,
+        lower_bound=selection.lower_bound,
         role=role,
-        parts=result,
-        lines=accepted,
+        parts=build_parts(
+            polygon, carved.walk, selection.selected, carved.tree, prepared.measure.equal_area
+        ),
+        lines=prepared.lines,
     )
 
 
-class _Carved(NamedTuple):
-    """A polygon carved along T: the walk, the edges outside T, and the tree on them."""
+def _checker(progress, cancelled):
+    """One callable out of two: raises when cancelled, and reports the share done if it is told."""
 
-    walk: Walk
-    free: np.ndarray
-    net: Network
+    def check(share=None):
+        if cancelled is not None and cancelled():
+            raise Cancelled("cancelled")
+        if progress is not None and share is not None:
+            progress(share)
+
+    return check
 
 
-def _carve(polygon, component, wanted, position, measure, edges, length, tree):
-    walk = carve(polygon, component, edges, tree, wanted)
-    free = np.flatnonzero(~_mask(tree, len(edges)))
-    at = polygon.vertex[walk.corner]
-    steps = measure.length(position, at, np.roll(at, -1))
-    dual = build_tree(len(at), walk.i[free], walk.j[free])
-    return _Carved(walk, free, network(dual, steps[-1], steps[:-1], length[free]))
+def _stretch(check, start, stop):
+    """The same for a stage that runs from one share of the whole to another."""
+
+    def check_stage(share=None):
+        check(None if share is None else start + (stop - start) * share)
+
+    return check_stage
+
+
+def _nothing(_share=None):
+    pass
 
 
 def _mask(indices, size):
@@ -225,9 +426,49 @@ def _mask(indices, size):
     return mask
 
 
-def _witnesses(carved, length, selected, check):
+def _carve(prepared, tree):
+    polygon, edges, measure = prepared.polygon, prepared.edges, prepared.measure
+    walk = carve(polygon, prepared.component, edges, tree, prepared.wanted)
+    free = np.flatnonzero(~_mask(tree, len(edges)))
+    at = polygon.vertex[walk.corner]
+    steps = measure.length(prepared.position, at, np.roll(at, -1))
+    dual = build_tree(len(at), walk.i[free], walk.j[free])
+    return Carved(tree, free, walk, network(dual, steps[-1], steps[:-1], prepared.length[free]))
+
+
+def _graph(prepared, selected):
+    return boundary_graph(
+        prepared.polygon, prepared.edge_length, prepared.edges, prepared.length, selected
+    )
+
+
+def _without_redundant(prepared, carved, selected, tau, weight, check):
+    """Use what the carved polygon cannot know: a path may pass a hole on its other side."""
+    selected = drop_redundant(
+        _graph(prepared, selected),
+        prepared.edges,
+        prepared.length,
+        selected,
+        prepared.length if weight is None else weight,
+        prepared.bounded,
+        tau,
+        check,
+    )
+    if not np.isin(carved.tree, selected).all():
+        joined = spanning_tree(
+            prepared.polygon,
+            prepared.component,
+            prepared.edges[selected],
+            prepared.length[selected],
+            prepared.wanted,
+        )
+        carved = _carve(prepared, selected[joined])
+    return selected, carved
+
+
+def _witnesses(prepared, carved, selected, check):
     """Role and dilation of each edge, the shortest path in P_T and S being the witness."""
-    edge = carved.free[carved.net.tree.diagonal]
+    length, edge = prepared.length, carved.node_edge
     role = np.full(len(length), SELF, dtype=np.int8)
     dilation = np.ones(len(length))
     cut = np.append(True, _mask(selected, len(length))[edge])
@@ -237,3 +478,19 @@ def _witnesses(carved, length, selected, check):
     role[edge] = np.where(below <= above, LEAF, ROOT)
     dilation[edge] = np.minimum(below, above) / length[edge]
     return role, dilation
+
+
+def _largest_dilation(prepared, selected, bound, check):
+    """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
+    bounded = prepared.bounded
+    if not prepared.has_holes:
+        return float(bound[bounded].max(initial=1.0))
+    return float(
+        largest_dilation(
+            _graph(prepared, selected),
+            prepared.edges[bounded],
+            prepared.length[bounded],
+            bound[bounded],
+            check,
+        )
+    )

@@ -80,7 +80,7 @@ def build_parts(polygon, walk, selected, tree, equal_area):
     rings = _Rings(polygon, walk, bounds, place, edge)
     owner, corners, offsets = rings.split()
     owner, corners, offsets = _add_free_holes(polygon, walk, owner, corners, offsets)
-    xy = equal_area(polygon.xy * polygon.unit)
+    xy = equal_area(polygon.xy)
     area = np.bincount(owner, weights=signed_areas(xy[polygon.vertex[corners]], offsets),
                        minlength=count)
     rank = np.empty(count, dtype=np.int64)
@@ -91,7 +91,9 @@ def build_parts(polygon, walk, selected, tree, equal_area):
     if not is_cut.all():
         sides[~is_cut] = rank[_faces_of_tree(walk, faces.edge_face, np.searchsorted(
             tree, selected[~is_cut]))]
-    return Parts(_rows(polygon, rank[owner], corners, offsets, count), np.sort(area)[::-1], sides)
+    with np.errstate(over="ignore"):
+        area = np.sort(area)[::-1] * polygon.unit * polygon.unit
+    return Parts(_rows(polygon, rank[owner], corners, offsets, count), area, sides)
 
 
 _CUT = np.iinfo(np.int64).min

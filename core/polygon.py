@@ -17,7 +17,7 @@ import shapely
 
 from .errors import Unsolvable
 
-__all__ = ["Polygon", "from_rings", "ring_polygon", "signed_areas"]
+__all__ = ["Polygon", "from_rings", "ring_polygon", "signed_areas", "without_rings"]
 
 
 class Polygon(NamedTuple):
@@ -146,6 +146,37 @@ def ring_polygon(polygon, xy):
     return shapely.polygons(lines[0], lines[1:])
 
 
+def without_rings(polygon, left_out):
+    """Return a polygon without some holes, good for a triangulation, and its vertices' numbers.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    left_out : (r,) bool
+        Holes that touch no other ring.
+
+    Returns
+    -------
+    Polygon
+        Without rows.
+    vertex : (n',) int
+        For each of its vertices the one of the whole polygon, ascending.
+    """
+    kept = ~left_out[polygon.ring_of_corner]
+    vertex, numbers = np.unique(polygon.vertex[kept], return_inverse=True)
+    size = np.diff(polygon.offsets)[~left_out]
+    none = np.empty(0, dtype=np.int64)
+    return polygon._replace(
+        xy=polygon.xy[vertex],
+        vertex=numbers.ravel(),
+        offsets=np.append(_starts(size), size.sum()),
+        rows=none,
+        row_start=none,
+        inserted=polygon.inserted[kept],
+        input_ring=polygon.input_ring[~left_out],
+    ), vertex
+
+
 def signed_areas(xy, offsets):
     """Signed areas of rings that lie one after the other, ccw positive.
 
@@ -165,7 +196,7 @@ def signed_areas(xy, offsets):
 def _scaled(xy):
     """Bring extreme magnitudes to about 1, by a power of two: exact."""
     largest = np.abs(xy).max()
-    if 1e-100 < largest < 1e100:
+    if 1e-50 < largest < 1e50:
         return xy, 1.0
     exponent = int(np.frexp(largest)[1]) if largest > 0 else 0
     return np.ldexp(xy, -exponent), float(np.ldexp(1.0, exponent))

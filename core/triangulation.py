@@ -7,8 +7,6 @@ come here, and every answer is checked.
 
 from __future__ import annotations
 
-import importlib
-
 import numpy as np
 import shapely
 
@@ -16,6 +14,7 @@ from .errors import MissingEngine, Unsolvable
 from .polygon import ring_polygon
 
 __all__ = ["diagonals", "engine_name", "missing_packages", "triangles"]
+
 
 
 def missing_packages(shapely_module=shapely):
@@ -96,16 +95,20 @@ def _triangulate(polygon, conformal, engine):
 
 def _triangle():
     try:
-        return importlib.import_module("triangle")
+        import triangle
     except ImportError:
         return None
+    return triangle
 
 
 def _bent(polygon, conformal):
     """The vertices in the conformal plane, or None where the polygon does not survive the map."""
     with np.errstate(all="ignore"):
         plane = conformal(polygon.xy * polygon.unit)
-    if not np.isfinite(plane).all():  # a pole
+    if not (np.abs(plane) < 1e50).all():  # a pole, or no degrees at all
+        return None
+    points = np.sort(np.ascontiguousarray(plane).view(np.complex128).ravel())
+    if (points[1:] == points[:-1]).any():  # vertices that rounding makes one crash Triangle
         return None
     # Triangle may hang on holes that overlap the shell, but not on a single ring
     if len(polygon.offsets) > 2 and not shapely.is_valid(ring_polygon(polygon, plane)):
@@ -114,6 +117,10 @@ def _bent(polygon, conformal):
 
 
 def _by_triangle(polygon, plane):
+    nothing = np.empty((0, 3), dtype=np.int32)
+    magnitude = np.abs(plane)
+    if magnitude.min(where=magnitude > 0.0, initial=1.0) < 1e-70:
+        return nothing  # its arithmetic multiplies four of them: underflow, and a crash
     segments = np.column_stack((polygon.vertex, polygon.vertex[polygon.next_corner]))
     graph = {"vertices": plane, "segments": segments.astype(np.int32)}
     if len(polygon.offsets) > 2:
@@ -121,7 +128,6 @@ def _by_triangle(polygon, plane):
         holes = shapely.polygons(shapely.get_rings(shape)[1:])
         graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
     # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
-    nothing = np.empty((0, 3), dtype=np.int32)
     try:
         return _triangle().triangulate(graph, "pQBPN").get("triangles", nothing)
     except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
@@ -129,18 +135,23 @@ def _by_triangle(polygon, plane):
 
 
 def _by_shapely(polygon, plane):
-    shape = ring_polygon(polygon, plane)
-    try:
-        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
-    except shapely.errors.GEOSException:
-        return np.empty((0, 3), dtype=np.int64)
-    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-    # as complex numbers, points have numpy's lexicographic order
-    key = np.ascontiguousarray(plane + 0.0).view(np.complex128).ravel()
-    order = np.argsort(key)
-    place = np.searchsorted(key, np.ascontiguousarray(corners).view(np.complex128).ravel(),
-                            sorter=order)
-    return order[np.minimum(place, len(key) - 1)].reshape(-1, 3)[:, ::-1]
+    # GEOS joins holes from the left; where they touch, it fails now and then, but not mirrored
+    for flip in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+        mirrored = plane * flip + 0.0
+        shape = ring_polygon(polygon, mirrored)
+        try:
+            triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
+        except shapely.errors.GEOSException:
+            continue
+        corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
+        # as complex numbers, points have numpy's lexicographic order
+        key, corners = (np.ascontiguousarray(x).view(np.complex128).ravel()
+                        for x in (mirrored, corners))
+        order = np.argsort(key)
+        place = np.searchsorted(key, corners, sorter=order)
+        triangles = order[np.minimum(place, len(key) - 1)].reshape(-1, 3)
+        return triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1]
+    return np.empty((0, 3), dtype=np.int64)
 
 
 def _checked_edges(polygon, triangles):

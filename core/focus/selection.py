@@ -16,9 +16,10 @@ from ..objective import SELF
 from ..polygon import from_rings
 from ..triangulation import diagonals
 
-__all__ = ["RULES", "greedy", "min_size", "proximity", "select"]
+__all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
 
 HOPS = 8  # Harrie and Sarjakoski: an edge needs a way of at least so many segments
+GAP, SECONDS = 0.001, 20.0  # of MinLength: relative, and for one polygon
 REACH = 0.02  # their largest length, as a share of the diagonal of the map's extent
 
 
@@ -40,6 +41,22 @@ def min_size(coords, offsets, tau, check):
         Rows of ``coords`` at the ends.
     """
     solution = partition(coords, offsets, tau, cancelled=_asks(check))
+    return solution.edge_rows[solution.role == SELF]
+
+
+def min_length(coords, offsets, tau, check):
+    """Return diagonals of least total length that keep every detour within tau.
+
+    Parameters, returns: see `min_size`.
+
+    Notes
+    -----
+    Within `GAP` of the optimum, or what is found in `SECONDS`.
+    """
+    solution = partition(
+        coords, offsets, tau, weigh=lambda prepared: prepared.length, max_gap=GAP,
+        time_limit=SECONDS, cancelled=_asks(check),
+    )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]
 
 
@@ -152,6 +169,8 @@ def select(rule, coords, offsets, tau, extent, check):
     """
     if rule == "MinSize":
         return min_size(coords, offsets, tau, check)
+    if rule == "MinLength":
+        return min_length(coords, offsets, tau, check)
     if rule == "Greedy":
         return greedy(coords, offsets, tau, check)
     if rule == "Proximity":

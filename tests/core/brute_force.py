@@ -1,10 +1,28 @@
-"""MinSize by trying all subsets of the candidates, straight from section 2 of the paper."""
+"""The problems of section 2 of the paper, solved by trying all subsets of the candidates."""
 
 import numpy as np
 
 
 def fewest_cuts(points, candidates, taus):
-    """Least size of a solution for each tau, by brute force.
+    """Least size of a solution for each tau."""
+    return [int(x) for x in cheapest(points, candidates, np.ones(len(candidates)), taus)]
+
+
+def cheapest(points, candidates, weights, taus):
+    """Least weight of a solution for each tau."""
+    subset, dilation = all_subsets(points, candidates)
+    cost = subset @ np.asarray(weights, dtype=float)
+    return [cost[dilation <= tau * (1 + 1e-12)].min() for tau in taus]
+
+
+def smallest_dilation(points, candidates, weights, budget):
+    """Least dilation of a subset of at most this weight."""
+    subset, dilation = all_subsets(points, candidates)
+    return dilation[subset @ np.asarray(weights, dtype=float) <= budget * (1 + 1e-12)].min()
+
+
+def all_subsets(points, candidates):
+    """All subsets of the candidates, a row each, and the largest dilation of a candidate in each.
 
     ``points`` is a simple polygon, ``candidates`` pairs of its indices. All 2^k subsets at once:
     Floyd and Warshall's shortest paths, one matrix a subset.
@@ -28,6 +46,4 @@ def fewest_cuts(points, candidates, taus):
             distance, distance[:, :, via, None] + distance[:, None, via, :], out=distance
         )
 
-    dilation = (distance[:, u, v] / direct[u, v]).max(axis=1, initial=1.0)
-    size = subset.sum(axis=1)
-    return [int(size[dilation <= tau * (1 + 1e-9)].min()) for tau in taus]
+    return subset, (distance[:, u, v] / direct[u, v]).max(axis=1, initial=1.0)

@@ -1,0 +1,228 @@
+"""The tool ``isthmus:tradeoff``."""
+
+import math
+from pathlib import Path
+
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsProcessing,
+    QgsProcessingException,
+    QgsProcessingOutputNumber,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFileDestination,
+    QgsProcessingParameterNumber,
+    QgsWkbTypes,
+)
+
+from . import report
+from .base import Steps
+from .cutting import MIN_SIZE, PartitionTool, add_feature, make_fields
+from .features import INTEGER, LONG, REAL
+from .solving import checker, prepare_tasks, stretch
+
+FIELDS = (
+    ("source", LONG),
+    ("tau", REAL),
+    ("cuts", INTEGER),
+    ("length", REAL),
+    ("cost", REAL),
+    ("largest_part_share", REAL),
+)
+UNITS = {"MinSize": "number of cuts", "MinLength": "length of the cuts", "MinWeight": "weight"}
+
+HELP = """
+<p>Shows, for each feature, what it costs to bound the detour: the least cost of the cuts as a
+function of tau. It is a falling step function. The table has one row for each step: from its tau up
+to that of the step before, its solution is the cheapest.</p>
+<p><b>How to read it.</b> Go through the curve from large tau to small. A step where the detour falls
+a lot for one more cut has found a real neck; then follows a long stretch where nothing changes. Where
+steps come thick and fast, the cuts no longer fall on necks but nibble at every bay. Good values of tau
+lie at the end of a long stretch. The report marks the five steps that pay off most: the largest fall
+of the detour (on a logarithmic scale) for what they cost more. Take one of these values, or a little
+more, as tau of <i>Partition polygons at bottlenecks</i>, or their number of cuts as budget of
+<i>Partition polygons within a budget</i>.</p>
+<p><i>largest_part_share</i> is the area of the largest part in the area of the feature: near 1 as long
+as only small pieces come off.</p>
+<p>The curve starts at the larger bound of tau (0: without bound, so with no cut but those that
+connect holes) and ends at the smaller one, or after the number of steps you give.</p>
+<p>The steps are exact for polygons without holes and MinSize. MinLength and MinWeight have very many
+steps and take longer.</p>
+"""
+
+
+class TradeoffAlgorithm(PartitionTool):
+    """The step function cost(tau) of each feature."""
+
+    TAU_MIN = "TAU_MIN"
+    TAU_MAX = "TAU_MAX"
+    STEPS = "STEPS"
+    OUTPUT = "OUTPUT"
+    REPORT = "REPORT"
+    STEP_COUNT = "STEP_COUNT"
+    SKIPPED_COUNT = "SKIPPED_COUNT"
+
+    def name(self):
+        return "tradeoff"
+
+    def displayName(self):
+        return "Detour trade-off curve"
+
+    def tags(self):
+        return (
+            "tau,choose,guide,trade-off,curve,pareto,step,plot,report,cost,dilation,detour,partition"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Shows what each value of tau costs, and marks the values that pay off."
+
+    def shortHelpString(self):
+        return HELP
+
+    def initAlgorithm(self, configuration=None):
+        number = QgsProcessingParameterNumber
+        self.add_input()
+        self.add_objective()
+        self.add(
+            number(self.TAU_MIN, "Smallest tau", number.Type.Double, 4.0, minValue=1.0),
+            "Where the curve ends, at least 1.",
+        )
+        self.add(
+            number(self.TAU_MAX, "Largest tau (0: no bound)", number.Type.Double, 0.0, minValue=0.0),
+            "Where the curve starts; 0 starts with no cut at all.",
+        )
+        self.add(
+            number(self.STEPS, "Most steps of a feature", number.Type.Integer, 50, minValue=1),
+            "The curve ends after so many steps, though the smallest tau may not be reached.",
+        )
+        self.add_candidates()
+        self.add(
+            QgsProcessingParameterFeatureSink(
+                self.OUTPUT, "Steps", QgsProcessing.SourceType.TypeVector
+            ),
+            "A table with a row for each step: source (id of the feature), tau (the least dilation "
+            "achievable at this cost), cuts, length, cost, largest_part_share.",
+        )
+        self.add(
+            QgsProcessingParameterFileDestination(
+                self.REPORT, "Report", "HTML files (*.html)", optional=True
+            ),
+            "A page with a plot for each feature and the steps that pay off most.",
+        )
+        self.addOutput(QgsProcessingOutputNumber(self.STEP_COUNT, "Number of steps"))
+        self.addOutput(
+            QgsProcessingOutputNumber(self.SKIPPED_COUNT, "Number of features not solved")
+        )
+
+    def parameter_problem(self, parameters, context):
+        low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
+        high = self.parameterAsDouble(parameters, self.TAU_MAX, context)
+        if not 1.0 <= low < math.inf:
+            return f"TAU_MIN must be a number of at least 1, and is {low:g}."
+        if not (high == 0.0 or high >= low):
+            return f"TAU_MAX must be 0 or at least TAU_MIN ({low:g}), and is {high:g}."
+        return self.objective_problem(parameters, context)
+
+    def processAlgorithm(self, parameters, context, feedback):
+        from ..core.budget import joint_solver, trade_off
+        from ..core.curve import paying_steps
+        from ..core.errors import Cancelled, Unsolvable
+
+        source = self.source(parameters, context)
+        low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
+        high = self.parameterAsDouble(parameters, self.TAU_MAX, context) or math.inf
+        most = self.parameterAsInt(parameters, self.STEPS, context)
+        objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
+        settings = self.settings(parameters, context, source, feedback)
+        fields = make_fields(FIELDS)
+        sink, destination = self.parameterAsSink(
+            parameters, self.OUTPUT, context, fields, QgsWkbTypes.Type.NoGeometry,
+            QgsCoordinateReferenceSystem(),
+        )  # fmt: skip
+        if sink is None:
+            raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
+
+        curves, count, skipped = [], 0, 0
+        steps = Steps(source, feedback)
+        for feature in steps:
+            check = checker(feedback, steps.progress)
+            try:
+                tasks = prepare_tasks(feature, settings, feedback, stretch(check, 0.0, 0.3))
+                ready = [task for task in tasks if not task.problem]
+                if not ready:
+                    problem = tasks[0].problem if tasks else "it has no polygon"
+                    raise Unsolvable(problem)
+                solve = joint_solver(
+                    [t.prepared for t in ready], [t.weight for t in ready], 0.0, check
+                )
+                curve = trade_off(solve, low, high, most)
+                rows = [_row(feature.id(), ready, joint, check) for joint in curve.solutions]
+            except Unsolvable as problem:
+                skipped += 1
+                feedback.pushWarning(f"Feature {feature.id()} has no curve: {problem}.")
+                continue
+            except Cancelled:
+                break
+            left_out = {task.problem for task in tasks if task.problem}
+            if left_out:
+                skipped += 1
+                feedback.pushWarning(
+                    f"Feature {feature.id()}: parts of it were left out: {'; '.join(left_out)}."
+                )
+            for row in rows:
+                add_feature(sink, fields, None, row)
+            count += len(rows)
+            _, tau, cuts, _, cost, share = map(list, zip(*rows))
+            curves.append(
+                {
+                    "name": f"Feature {feature.id()}",
+                    "unit": UNITS[objective],
+                    "tau": tau,
+                    "cost": cost,
+                    "cuts": cuts,
+                    "share": share,
+                    "marked": paying_steps(tau, cost),
+                    "complete": curve.complete,
+                }
+            )
+        if settings.lines:
+            settings.lines.report(feedback)
+        results = {
+            self.OUTPUT: destination, self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped
+        }
+        path = self.parameterAsFileOutput(parameters, self.REPORT, context)
+        if path:
+            self._write_report(path, source.sourceName(), objective, curves)
+            results[self.REPORT] = path
+        return results
+
+    def _write_report(self, path, name, objective, curves):
+        intro = [
+            f"Objective: {objective}. Each curve shows the least cost of the cuts for every bound "
+            "tau on the detour.",
+            "A long flat stretch means that nothing more is to be gained for a while: good values "
+            "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
+            "fall of the detour (on a logarithmic scale) for what they cost more.",
+        ]
+        if objective != MIN_SIZE:
+            intro.append("Lengths are in the units of the layer, or metres for degrees.")
+        try:
+            Path(path).write_text(
+                report.page(f"Detour trade-off of {name}", intro, curves), encoding="utf-8"
+            )
+        except OSError as error:
+            raise QgsProcessingException(f"The report could not be written: {error}") from error
+
+
+def _row(source, tasks, joint, check):
+    """The fields of a step."""
+    from ..core.partition import finish
+
+    parts, cuts, length = [], 0, 0.0
+    for task, selection in zip(tasks, joint.selections):
+        result = finish(task.prepared, selection, check=check)
+        parts += result.parts.area.tolist()
+        cuts += len(selection.selected)
+        length += float(result.length[selection.selected].sum())
+    total = math.fsum(parts)
+    share = max(parts) / total if total > 0.0 else 1.0
+    return [source, joint.dilation, cuts, length, joint.cost, share]

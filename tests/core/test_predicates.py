@@ -1,0 +1,63 @@
+from fractions import Fraction
+from math import atan2
+
+import numpy as np
+import pytest
+
+from isthmus.core.predicates import orientation, sort_ccw
+
+ULP = 2.0**-53
+
+
+def exact(ax, ay, bx, by, cx, cy):
+    ax, ay, bx, by, cx, cy = map(Fraction, (ax, ay, bx, by, cx, cy))
+    turn = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    return (turn > 0) - (turn < 0)
+
+
+def test_orientation_where_floats_fail():
+    """Shewchuk's example: points next to the line y = x, a few ulps apart."""
+    wrong = 0
+    for i in range(16):
+        for j in range(16):
+            points = (0.5 + i * ULP, 0.5 + j * ULP, 12.0, 12.0, 24.0, 24.0)
+            ax, ay, bx, by, cx, cy = points
+            assert orientation(*points) == exact(*points)
+            wrong += np.sign((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) != exact(*points)
+    assert wrong > 20, "these points are no challenge"
+
+
+@pytest.mark.parametrize("points, turn", [
+    ((0, 0, 1, 0, 1, 1), 1),
+    ((0, 0, 1, 0, 1, -1), -1),
+    ((0, 0, 1, 0, 7, 0), 0),
+    ((1e16, 1e16, 1e16 + 2, 1e16 + 2, 1e16 + 4, 1e16 + 6), 1),
+])
+def test_orientation_by_hand(points, turn):
+    assert orientation(*map(float, points)) == turn
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sort_ccw_is_angular_order(seed):
+    rng = np.random.default_rng(seed)
+    origin = tuple(rng.random(2))
+    targets = [(x, y, k) for k, (x, y) in enumerate(rng.random((50, 2)).tolist())]
+    by_angle = sorted(
+        targets, key=lambda p: atan2(p[1] - origin[1], p[0] - origin[0]) % (2 * np.pi)
+    )
+    assert sort_ccw(origin, targets) == by_angle
+
+
+def test_sort_ccw_starts_at_positive_x():
+    spokes = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+    assert sort_ccw((0, 0), spokes[5:] + spokes[:5]) == spokes
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sort_ccw_of_directions_an_ulp_apart(seed):
+    rng = np.random.default_rng(seed)
+    spokes = [(12.0 + k * 2.0**-49, 12.0 - k * 2.0**-49) for k in range(-20, 20)]
+    shuffled = [spokes[k] for k in rng.permutation(len(spokes))]
+    order = sort_ccw((0.5, 0.5), shuffled)
+    assert order == spokes[::-1]
+    assert all(exact(0.5, 0.5, *a, *b) == 1 for a, b in zip(order, order[1:]))
