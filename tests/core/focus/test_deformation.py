@@ -191,3 +191,16 @@ def test_simplified_outline_has_no_crossings_and_carries_exactly():
     after[simple.kept] = 3.0 * made.xy[simple.kept] + 1.0
     carried = outline.carry(simple, made.xy, after, np.full(len(made.xy), 3.0))
     assert np.allclose(carried, 3.0 * made.xy + 1.0, atol=1e-12)
+
+
+def test_min_length_is_no_longer_than_the_others():
+    pytest.importorskip("isthmus.core.objective_weighted")
+    shape = tour(5, 40)
+    length = {
+        rule: sum(
+            np.hypot(*(shape.coords[u] - shape.coords[v]))
+            for u, v in selection.select(rule, shape.coords, shape.offsets, 2.0, 1.0, nothing)
+        )
+        for rule in ("MinLength", "MinSize", "Greedy")
+    }
+    assert 0.0 < length["MinLength"] <= 1.001 * min(length.values())

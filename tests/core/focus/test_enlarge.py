@@ -179,8 +179,11 @@ def test_two_regions():
 
 def test_too_large_a_scale_gives_a_reason_and_the_last_good_map():
     """Two regions that fit each, but not both."""
-    rows, starts, polygons = rings_of(circle(90, 10.0))
-    parts = [shapely.box(2, -8, 12, 8), shapely.box(-12, -8, -2, 8)]
+    corners = [(-10, -5), (-1, -5), (0, -20), (1, -5), (10, -5), (10, 5), (1, 5), (0, 20), (-1, 5),
+               (-10, 5)]
+    ring = shapely.segmentize(shapely.Polygon(corners), 1.0)
+    rows, starts, polygons = rings_of(shapely.get_coordinates(ring)[:-1])
+    parts = [shapely.box(1, -6, 12, 6), shapely.box(-12, -6, -1, 6)]
     result = enlarge(rows, starts, polygons, shapely.MultiPolygon(parts), 1.2)
     assert result.problem and 1.0 <= result.scale < 1.2 and result.crossings == 0
     assert shapely.Polygon(result.rows).is_valid
@@ -195,7 +198,7 @@ def test_detail_is_carried():
     focus = shapely.box(4, -5, 14, 5)
     result = enlarge(rows, starts, polygons, focus, 1.6, most=300)
     check(rows, starts, polygons, focus, 1.6, result)
-    assert not result.problem and result.distortion.flipped < 0.01
+    assert not result.problem and result.distortion.flipped < 0.05
 
 
 def test_thousand_islands():
