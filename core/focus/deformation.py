@@ -131,17 +131,17 @@ class Program:
         unit = 1.0 / np.sqrt(np.diag(gram))
         gram = gram * np.outer(unit, unit)
         lack = -self.bounds.excess(at_rest) * unit
-        for _ in range(4):
+        for _ in range(8):
             force = _forces(gram, lack)
             if force is None:
                 return False
             self.z = self._least(self.rows.T @ (force * unit))
             excess = self.bounds.excess(self.xy)
-            if excess.min() > -TOLERANCE:
+            if excess.min() > -2.0 * TOLERANCE:
                 return True
             # the matrix has the precision of its factorisation only: aim at what is missing
             lack += gram @ force - lack - excess * unit
-        return bool(excess.min() > -100.0 * TOLERANCE)
+        return False
 
     def _least(self, force):
         """Displacements and s - 1 of least distortion under forces on the unknowns."""
@@ -264,7 +264,8 @@ def repair_program(xy, carried, edges, fixed):
         entries.append((factor, axis * m + row, axis * n + u))
         entries.append((-factor, axis * m + row, axis * n + v))
     # a component without a fixed vertex would float
-    entries.append((np.full(2 * n, 1e-3), 2 * m + np.arange(2 * n), np.arange(2 * n)))
+    anchor = max(1e-3, 1e-6 * factor.max(initial=0.0))
+    entries.append((np.full(2 * n, anchor), 2 * m + np.arange(2 * n), np.arange(2 * n)))
     matrix = _sparse(*(np.concatenate(part) for part in zip(*entries)), (2 * m + 2 * n, 2 * n))
     column = np.where(np.tile(fixed, 2), -1, np.arange(2 * n))
     return Program(carried, matrix, column, np.zeros(2 * n))
@@ -321,11 +322,15 @@ def _sparse(values, rows, columns, shape):
 
 
 def _factorise(matrix):
+    from scipy.sparse import diags
     from scipy.sparse.linalg import splu
 
-    return splu(
-        matrix,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    how = {
+        "permc_spec": "MMD_AT_PLUS_A",
+        "diag_pivot_thresh": 0.0,
+        "options": {"SymmetricMode": True},
+    }
+    try:
+        return splu(matrix, **how)
+    except RuntimeError:  # singular to the last digit; the refinement makes up for the change
+        return splu((matrix + 1e-12 * diags(matrix.diagonal())).tocsc(), **how)

@@ -148,7 +148,7 @@ def enlarge(
         return _unchanged(rows, graph, given)
 
     low, high = rows.min(axis=0), rows.max(axis=0)
-    centre, unit = (low + high) / 2.0, float((high - low).max())
+    centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
     xy = (graph.xy - centre) / unit
     box = ((low - centre) / unit, (high - centre) / unit) if frame else None
     origin = np.array([xy[group == g].mean(axis=0) for g in range(len(regions))])

@@ -10,9 +10,12 @@ from .deformation import NO_BOUNDS, Bounds, repair_program
 __all__ = ["last_good", "new_crossings", "repair", "settle"]
 
 STEPS = 80  # contacts to resolve one after the other, before giving up
+ROUNDS = 15  # of repairs; a more detailed outline is the next thing to try
+FEW = 200  # bounds, and pairs, of a repair
 AT_ONCE = 20  # bounds; most of the others are kept as well then
 GAP = 0.1  # of the way between two lines at their contact, what must stay
-NEAR = 2e-9  # what counts as kept; the program aims at half of it
+NEAR = 3e-9  # what counts as kept: a little more than the precision of the program
+MANY = 3000  # bounds, before giving up
 INSET = 1e-6  # how far inside the frame a vertex is put that left it
 
 
@@ -73,7 +76,7 @@ def settle(program, edges, known, box, check):
             if not len(more.p):
                 break
             check()
-            if not program.add(more):
+            if len(program.bounds.p) > MANY or not program.add(more):
                 return program.xy, program.s, "there is not enough room"
         pairs = new_crossings(xy, edges, known)
         if not len(pairs):
@@ -117,8 +120,8 @@ def repair(xy, carried, edges, known, fixed, box, check):
 
     tree = None
     radius, pairs = 0.005, np.empty((0, 2), dtype=np.int64)
-    for step in range(STEPS // 2):
-        check(2.0 * step / STEPS)
+    for step in range(ROUNDS):
+        check(step / ROUNDS)
         found = new_crossings(carried, edges, known)
         outside = np.empty(0, dtype=np.int64)
         if box is not None:
@@ -128,6 +131,8 @@ def repair(xy, carried, edges, known, fixed, box, check):
             break
         tree = tree or cKDTree(xy)
         pairs = np.unique(np.concatenate((pairs, found)), axis=0)
+        if len(pairs) > FEW:
+            break
         centres = np.union1d(edges[pairs].ravel(), outside)
         zone = np.zeros(len(xy), dtype=bool)
         for near in tree.query_ball_point(xy[centres], radius):
@@ -157,7 +162,7 @@ def repair(xy, carried, edges, known, fixed, box, check):
             more = _outside(program.xy, box, zone[vertex]).joined(bounds.where(broken))
             if not len(more.p):
                 break
-            solved = program.add(more)
+            solved = len(program.bounds.p) < FEW and program.add(more)
         if solved:
             carried = carried.copy()
             carried[vertex] = program.xy

@@ -219,15 +219,15 @@ def draw(picture, crs, focus, drawn):
         points = result.points if rule is None else result.moved
         edges = result.edges if rule in (None, "MinSize") else result.edges[:0]
         a = after[inside][0] - (2.0 if rule else 1.0) * rows[inside][0]
-        region = shapely.transform(focus, lambda xy: (2.0 if rule else 1.0) * xy + a)
+        region = shapely.intersection(shapely.Polygon(rows), focus)
+        region = shapely.transform(region, lambda xy: (2.0 if rule else 1.0) * xy + a)
         land = shapely.Polygon(after)
         panels.append((title, [
             layer("LineString", [shapely.LineString(points[edge]) for edge in edges],
                   QgsLineSymbol.createSimple({"line_color": "#c05a1c", "line_width": "0.35"})),
             layer("Polygon", [shapely.make_valid(land)], QgsFillSymbol.createSimple(
                 {"color": "transparent", "outline_color": "#4a463f", "outline_width": "0.2"})),
-            layer("MultiPolygon", [shapely.multipolygons([
-                p for p in shapely.get_parts(shapely.intersection(land, region)) if p.area > 0])],
+            layer("MultiPolygon", [shapely.multipolygons(shapely.get_parts(region))],
                 QgsFillSymbol.createSimple({"color": "#f0c987", "outline_style": "no"})),
             layer("Polygon", [land], QgsFillSymbol.createSimple(
                 {"color": "#efece4", "outline_style": "no"})),
