@@ -123,12 +123,15 @@ def enlarge(
     crossings.
     """
 
+    done = [0.0]
+
     def stage(lo, hi):
         def check(share=None):
             if cancelled is not None and cancelled():
                 raise Cancelled("cancelled")
             if progress is not None and share is not None:
-                progress(lo + (hi - lo) * share)
+                done[0] = max(done[0], lo + (hi - lo) * share)  # a stage may come again
+                progress(done[0])
 
         return check
 
@@ -142,8 +145,9 @@ def enlarge(
         raise Unsolvable(f"the scale must be a number above 0, and is {scale:g}")
     regions = _regions(focus)
     graph = build_graph(rows, starts)
-    given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     graph, group, regions = _groups(graph, rows, starts, polygons, regions)
+    given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
+    given = unique_pairs(given, len(graph.xy))
     if scale == 1.0:
         return _unchanged(rows, graph, given)
 

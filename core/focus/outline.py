@@ -53,7 +53,7 @@ def simplify(xy, edges, needed, most, check):
     needed : (n,) bool
         Vertices that must stay, besides those where lines meet or end.
     most : int
-        The number of vertices to aim at.
+        The number of vertices to aim at, not counting those that stay anyway.
     check : callable
         Called now and then; may raise `Cancelled`.
 
@@ -66,11 +66,12 @@ def simplify(xy, edges, needed, most, check):
         nothing = np.empty(0, dtype=np.int64)
         return Outline(np.arange(n), edges, nothing, nothing.reshape(0, 2), np.empty(0))
     chain, start = _chains(n, edges, needed, xy)
+    most += len(np.unique(chain[np.append(start[:-1], start[1:] - 1)]))  # those stay anyway
     tolerance = 1e-4
     while True:
         check()
         place = _simplified(xy, chain, start, tolerance)
-        if len(np.unique(chain[place])) <= most or tolerance > 0.05:
+        if len(np.unique(chain[place])) <= most or tolerance > 0.01:
             break
         tolerance *= 1.5
     while True:

@@ -23,7 +23,8 @@ ROOT = Path(__file__).resolve().parents[2]
 SIZES = {"l": 357, "i": 1648, "h": 7197, "f": 49152}
 RULES = ("None", "MinSize", "MinLength", "Greedy", "Proximity")
 GREAT_BRITAIN = 15  # its number in GSHHG
-# name, countries of QGIS's world map, focus, scale, projection
+BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5"
+# name, countries of QGIS's world map, focus, projection
 FOCI = (
     ("Denmark in Scandinavia", "DK SE NO FI", "DK", "+proj=laea +lat_0=63 +lon_0=15"),
     ("Portugal in Iberia", "PT ES FR AD", "PT", "+proj=laea +lat_0=42 +lon_0=-2"),
@@ -53,19 +54,18 @@ def main():
     load()
     wales = json.loads((ROOT / "tests" / "data" / "wales.geojson").read_text())
     wales = np.array(wales["features"][0]["geometry"]["coordinates"][0])
-    crs = "+proj=laea +lat_0=54.3 +lon_0=-2.5"
-    focus = shapely.Polygon(project(wales, crs))
+    focus = shapely.Polygon(project(wales, BRITAIN))
     print("| n | edges by | edges | flipped % | median | 95 % | scale | crossings | s |")
     print("|---|---|---|---|---|---|---|---|---|")
     drawn = {}
     for size in asked.size:
-        coast = project(gshhg(asked.folders, size, GREAT_BRITAIN), crs)
+        coast = project(gshhg(asked.folders, size, GREAT_BRITAIN), BRITAIN)
         for rule in asked.rule:
             result = measure([[coast]], focus, 2.0, rule, len(coast))
             if size == "i":
                 drawn[rule] = result
     if asked.draw:
-        draw(asked.draw, crs, focus, drawn)
+        draw(asked.draw, BRITAIN, focus, drawn)
     if asked.foci:
         for name, codes, code, crs in FOCI:
             countries = world(app, codes.split())
@@ -76,8 +76,7 @@ def main():
             for rule in ("None", "MinSize", "Greedy"):
                 measure(polygons, region.buffer(1.0), 2.0, rule, name)
     if asked.million:
-        crs = "+proj=laea +lat_0=55 +lon_0=-3"
-        polygons = [[project(ring, crs)] for ring in islands(asked.folders, 1_000_000)]
+        polygons = [[project(ring, BRITAIN)] for ring in islands(asked.folders, 1_000_000)]
         count = sum(len(rings[0]) for rings in polygons)
         measure(polygons, focus, 2.0, "MinSize", f"{count} on {len(polygons)} islands")
 

@@ -134,6 +134,14 @@ def test_given_edges_are_used():
 def test_a_focus_between_the_vertices_pushes_the_rest_away():
     rows, starts, polygons = rings_of(circle(80, 10.0))
     focus = shapely.Point(3.0, 0.0).buffer(2.0)
+    edges, shares = np.array([(0, 40), (20, 60)]), []
+    result = enlarge(
+        rows, starts, polygons, focus, 2.0, edges=edges, progress=shares.append
+    )
+    assert shares == sorted(shares)
+    given = {frozenset(map(tuple, rows[pair])) for pair in edges}
+    used = result.points[result.edges[result.kind == "given"]]
+    assert {frozenset(map(tuple, pair)) for pair in used} == given
     result = enlarge(rows, starts, polygons, focus, 2.0)
     check(rows, starts, polygons, focus, 2.0, result)
     outline = shapely.covers(focus.buffer(1e-9), shapely.points(result.points))
