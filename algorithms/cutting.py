@@ -171,7 +171,12 @@ class PartitionTool(IsthmusAlgorithm):
             if not value >= 0.0:
                 return f"{name} must not be negative, and is {value:g}."
         if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == MIN_WEIGHT:
-            return expression_problem(self.parameterAsString(parameters, self.WEIGHT, context))
+            sources = [
+                self.parameterAsSource(parameters, name, context)
+                for name in (self.INPUT, self.CANDIDATES)
+            ]
+            text = self.parameterAsString(parameters, self.WEIGHT, context)
+            return expression_problem(text, [source.fields() for source in sources if source])
         return ""
 
     def dynamic_problem(self, parameters, name, context, least):

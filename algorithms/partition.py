@@ -2,6 +2,9 @@
 
 from .cutting import CuttingTool
 
+# Seconds that a polygon may take to close the gap of MinLength and MinWeight
+TIME_LIMIT = 540.0
+
 HELP = """
 <p>Cuts polygons at their isthmuses, straits and necks into natural parts.</p>
 <p>Two points on opposite sides of a neck are close to each other, but the way along the outline
@@ -19,7 +22,8 @@ in total: it prefers short cuts across narrow necks. <i>MinWeight</i> minimizes 
 that an expression gives to the candidates.</p>
 <p><b>Guarantee.</b> For a polygon without holes no solution has fewer cuts. MinLength and MinWeight
 come with a proven lower bound of the cost, and the field <i>gap</i> tells how far above it the
-solution may be. With holes the tool first joins them by shortest cuts; what follows is a good
+solution may be. The search ends where the gap is as small as you ask for, or after nine minutes
+for a polygon. With holes the tool first joins them by shortest cuts; what follows is a good
 solution, not always the best, and the lower bound is that of the polygon opened along these cuts.
 The detour of every diagonal is kept within tau in either case.</p>
 <p><b>Units.</b> Lengths and areas are in the units of the layer; if its coordinates are degrees,
@@ -86,9 +90,18 @@ class PartitionAlgorithm(CuttingTool):
             tau = tau_of(feature)
             if not 1.0 <= tau < float("inf"):
                 raise Unsolvable(f"tau must be a number of at least 1, and is {tau:g}")
-            return [
-                select(task.prepared, tau, task.weight, max_gap, check, with_dilation=False)
+            selections = [
+                select(task.prepared, tau, task.weight, max_gap, TIME_LIMIT, check, False)
                 for task in tasks
             ]
+            cost = sum(selection.cost for selection in selections)
+            gap = cost - sum(selection.lower_bound for selection in selections)
+            if gap > max(max_gap, 1e-9) * cost:
+                feedback.pushWarning(
+                    f"Feature {feature.id()}: the search ended at a gap of "
+                    f"{100.0 * gap / cost:.3g} per cent between the cost and its proven lower "
+                    "bound, its limit of time or memory being reached."
+                )
+            return selections
 
         return choose

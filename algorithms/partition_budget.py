@@ -5,6 +5,9 @@ import math
 from .cutting import CuttingTool
 from .features import REAL
 
+# Seconds that each trial may take to prove MinLength and MinWeight for a polygon
+TIME_LIMIT = 60.0
+
 HELP = """
 <p>Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much
 length or weight of cuts, for each feature. Instead of guessing tau, say "ten cuts".</p>
@@ -78,7 +81,10 @@ class PartitionBudgetAlgorithm(CuttingTool):
             if not 0.0 <= budget < math.inf:
                 raise Unsolvable(f"the budget must be a number of at least 0, and is {budget:g}")
             solve = joint_solver(
-                [task.prepared for task in tasks], [task.weight for task in tasks], 0.0, check
+                [task.prepared for task in tasks],
+                [task.weight for task in tasks],
+                time_limit=TIME_LIMIT,
+                check=check,
             )
             answer, proven = smallest_dilation(solve, budget)
             if isinstance(answer, OverBudget):

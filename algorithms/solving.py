@@ -9,6 +9,7 @@ from qgis.core import (
     QgsExpression,
     QgsExpressionContextScope,
     QgsFeature,
+    QgsFeatureRequest,
     QgsProcessingUtils,
 )
 
@@ -275,13 +276,19 @@ def weigh_by_expression(text, source, lines, context):
     return weigh
 
 
-def expression_problem(text):
-    """Return why an expression cannot be used, or ''."""
+def expression_problem(text, all_fields):
+    """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
     if not text.strip():
         return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
     expression = QgsExpression(text)
     if expression.hasParserError():
         return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
+    known = set(all_fields[0].names())
+    if len(all_fields) > 1:  # as the candidates have them
+        known = set(QgsProcessingUtils.combineFields(*all_fields).names())
+    unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
+    if unknown:
+        return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
     return ""
 
 

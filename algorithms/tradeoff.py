@@ -18,6 +18,7 @@ from . import report
 from .base import Steps
 from .cutting import MIN_SIZE, PartitionTool, add_feature, make_fields
 from .features import INTEGER, LONG, REAL
+from .partition_budget import TIME_LIMIT
 from .solving import checker, prepare_tasks, stretch
 
 FIELDS = (
@@ -152,7 +153,10 @@ class TradeoffAlgorithm(PartitionTool):
                     problem = tasks[0].problem if tasks else "it has no polygon"
                     raise Unsolvable(problem)
                 solve = joint_solver(
-                    [t.prepared for t in ready], [t.weight for t in ready], 0.0, check
+                    [task.prepared for task in ready],
+                    [task.weight for task in ready],
+                    time_limit=TIME_LIMIT,
+                    check=stretch(check, 0.3, 0.9),
                 )
                 curve = trade_off(solve, low, high, most)
                 rows = [_row(feature.id(), ready, joint, check) for joint in curve.solutions]

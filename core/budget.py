@@ -66,7 +66,7 @@ class Steps(NamedTuple):
     complete: bool
 
 
-def joint_solver(prepared, weights, max_gap=0.0, check=None):
+def joint_solver(prepared, weights, max_gap=0.0, time_limit=None, check=None):
     """Return the function that solves several polygons for a given tau.
 
     Parameters
@@ -75,7 +75,7 @@ def joint_solver(prepared, weights, max_gap=0.0, check=None):
         The polygons of a feature.
     weights : list of (k,) float or None
         Weights of their candidates; None for MinSize.
-    max_gap : float
+    max_gap, time_limit : float
         See `partition.select`.
     check : callable, optional
         Called now and then; may raise `Cancelled`.
@@ -88,7 +88,7 @@ def joint_solver(prepared, weights, max_gap=0.0, check=None):
 
     def solve(tau):
         selections = [
-            select(polygon, tau, weight, max_gap, check)
+            select(polygon, tau, weight, max_gap, time_limit, check)
             for polygon, weight in zip(prepared, weights)
         ]
         return Joint(

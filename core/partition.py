@@ -17,6 +17,7 @@ from .cuts import boundary_graph, detours, drop_redundant, largest_dilation, tru
 from .dual_tree import build_tree
 from .errors import Cancelled
 from .objective import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
+from .objective_weighted import min_weight
 from .parts import Parts, build_parts
 from .polygon import Polygon, from_rings
 
@@ -178,6 +179,7 @@ def partition(
     engine=None,
     weigh=None,
     max_gap=0.001,
+    time_limit=None,
     all_dilations=False,
     progress=None,
     cancelled=None,
@@ -207,7 +209,7 @@ def partition(
     weigh : callable, optional
         Weighs the candidates for MinWeight: called with the prepared polygon, it returns (k,)
         weights >= 0; ``lambda prepared: prepared.length`` gives MinLength. Default: MinSize.
-    max_gap : float
+    max_gap, time_limit : float
         See `select`.
     all_dilations : bool
         Whether ``dilation`` is wanted. On large polygons with many holes it takes time.
@@ -236,7 +238,9 @@ def partition(
         coords, offsets, min_length, min_hole, lines, measure, engine, _stretch(check, 0.0, 0.65)
     )
     weight = None if weigh is None else weigh(prepared)
-    selection = select(prepared, tau, weight, max_gap, _stretch(check, 0.65, 0.9), False)
+    selection = select(
+        prepared, tau, weight, max_gap, time_limit, _stretch(check, 0.65, 0.9), False
+    )
     result = finish(prepared, selection, all_dilations, _stretch(check, 0.9, 1.0))
     check(1.0)
     return result
@@ -306,7 +310,9 @@ def prepare(
     return prepared._replace(carved=_carve(prepared, tree))
 
 
-def select(prepared, tau, weight=None, max_gap=0.001, check=None, with_dilation=True):
+def select(
+    prepared, tau, weight=None, max_gap=0.001, time_limit=None, check=None, with_dilation=True
+):
     """Choose the edges to cut.
 
     Parameters
@@ -318,6 +324,8 @@ def select(prepared, tau, weight=None, max_gap=0.001, check=None, with_dilation=
         Weight of each edge for MinWeight; MinSize without.
     max_gap : float
         For MinWeight: largest accepted gap between cost and lower bound, as a share of the cost.
+    time_limit : float, optional
+        For MinWeight: seconds after which the best solution so far is taken, with its gap.
     check : callable, optional
         Called now and then; may raise `Cancelled`.
     with_dilation : bool
@@ -330,12 +338,19 @@ def select(prepared, tau, weight=None, max_gap=0.001, check=None, with_dilation=
     check = check or _nothing
     check(0.0)
     carved = prepared.carved
-    if weight is None:
-        cut = min_size(carved.net, tau, _stretch(check, 0.0, 0.8)) == SELF
-        lower_bound = float(np.count_nonzero(cut[1:]) + len(carved.tree))
-    else:
+    search = _stretch(check, 0.0, 0.8)
+    cut = min_size(carved.net, tau, search if weight is None else check) == SELF
+    lower_bound = float(np.count_nonzero(cut[1:]) + len(carved.tree))
+    if weight is not None:
+        # a MinSize solution to begin with: the result never costs more
         cut, lower_bound = min_weight(
-            carved.net, np.append(0.0, weight[carved.node_edge]), tau, max_gap, check
+            carved.net,
+            np.append(0.0, weight[carved.node_edge]),
+            tau,
+            max_gap,
+            cut,
+            time_limit,
+            search,
         )
         lower_bound += float(weight[carved.tree].sum())
     selected = np.sort(np.append(carved.tree, carved.node_edge[cut[1:]]))

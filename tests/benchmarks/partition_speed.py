@@ -39,6 +39,7 @@ COLUMNS = {
     "opening": "buffer opening",
 }
 SLOW = ("shapely", "opening")
+PATIENCE = 300  # seconds for a cell
 
 
 def gshhg():
@@ -219,7 +220,13 @@ def main():
             if options.quick and column in SLOW and len(ring) > 50000:
                 continue
             command = [sys.executable, __file__, "--cell", column, name]
-            done = subprocess.run(command, capture_output=True, encoding="utf-8")
+            try:
+                done = subprocess.run(
+                    command, capture_output=True, encoding="utf-8", timeout=PATIENCE
+                )
+            except subprocess.TimeoutExpired:
+                print(f"  {label:36}not done after {PATIENCE} s", flush=True)
+                continue
             if done.returncode:
                 print(f"  {label:36} failed: {done.stderr.strip().splitlines()[-1:]}")
                 continue
