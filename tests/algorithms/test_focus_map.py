@@ -84,11 +84,11 @@ def test_scale_one_is_the_identity(run, land, focus):
         assert before.geometry().asWkb() == after.geometry().asWkb()
 
 
-@pytest.mark.parametrize("rule", ["MinSize", "Greedy", "Proximity", "None"])
+@pytest.mark.parametrize("rule", ["MinSize", "MinLength", "Greedy", "Proximity", "None"])
 def test_rules(run, land, focus, rule):
     results = run(TOOL, parameters(land, focus, SELECTION=rule, EDGES_USED="memory:"))
     kinds = [edge["kind"] for edge in features(results, "EDGES_USED")]
-    assert ("selected" in kinds) == (rule in ("MinSize", "Greedy"))  # no way of 8 segments here
+    assert ("selected" in kinds) == (rule in ("MinSize", "MinLength", "Greedy"))  # no way of 8 segments here
     assert results["CROSSINGS"] == 0
 
 

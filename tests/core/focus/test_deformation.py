@@ -194,7 +194,6 @@ def test_simplified_outline_has_no_crossings_and_carries_exactly():
 
 
 def test_min_length_is_no_longer_than_the_others():
-    pytest.importorskip("isthmus.core.objective_weighted")
     shape = tour(5, 40)
     length = {
         rule: sum(
