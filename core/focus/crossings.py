@@ -16,13 +16,15 @@ from .deformation import Bounds
 __all__ = ["crossing_pairs", "separations"]
 
 
-def crossing_pairs(xy, edges):
+def crossing_pairs(xy, edges, moved=None):
     """Return the pairs of edges that meet, but for those that share an end.
 
     Parameters
     ----------
     xy : (n, 2) float
     edges : (m, 2) int
+    moved : (m,) bool, optional
+        Only pairs with at least one of these.
 
     Returns
     -------
@@ -34,8 +36,12 @@ def crossing_pairs(xy, edges):
     O(m log m) for the short edges of a map.
     """
     segments = shapely.linestrings(xy[edges])
-    a, b = shapely.STRtree(segments).query(segments, predicate="intersects")
-    pairs = np.column_stack((a, b))[a < b]
+    few = np.arange(len(edges)) if moved is None else np.flatnonzero(moved)
+    a, b = shapely.STRtree(segments[few]).query(segments, predicate="intersects")
+    b = few[b]
+    # a pair of two that moved is found twice
+    once = a < b if moved is None else (a < b) | ~moved[a]
+    pairs = np.sort(np.column_stack((a, b))[once & (a != b)], axis=1)
     first, second = edges[pairs[:, 0]], edges[pairs[:, 1]]
     apart = (first[:, :, None] != second[:, None, :]).all(axis=(1, 2))
     pairs = pairs[apart]

@@ -19,9 +19,9 @@ MANY = 3000  # bounds, before giving up
 INSET = 1e-6  # how far inside the frame a vertex is put that left it
 
 
-def new_crossings(xy, edges, known):
+def new_crossings(xy, edges, known, moved=None):
     """Return the pairs of edges that meet and are not among the ``known`` keys; see `pair_keys`."""
-    pairs = crossing_pairs(xy, edges)
+    pairs = crossing_pairs(xy, edges, moved)
     return pairs[~np.isin(pair_keys(pairs, len(edges)), known)]
 
 
@@ -120,9 +120,9 @@ def repair(xy, carried, edges, known, fixed, box, check):
 
     tree = None
     radius, pairs = 0.005, np.empty((0, 2), dtype=np.int64)
+    found = new_crossings(carried, edges, known)
     for step in range(ROUNDS):
         check(step / ROUNDS)
-        found = new_crossings(carried, edges, known)
         outside = np.empty(0, dtype=np.int64)
         if box is not None:
             out = np.maximum(box[0] - carried, carried - box[1]).max(axis=1)
@@ -166,6 +166,8 @@ def repair(xy, carried, edges, known, fixed, box, check):
         if solved:
             carried = carried.copy()
             carried[vertex] = program.xy
+            at_rest = ~moving[found].any(axis=1)
+            found = np.concatenate((found[at_rest], new_crossings(carried, edges, known, moving)))
         radius *= 1.2 if solved else 2.0
         if radius > 2.0:
             break

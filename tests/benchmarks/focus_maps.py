@@ -138,14 +138,14 @@ def read(data, fields):
 
 
 def islands(folders, most):
-    """The islands around Britain, Scandinavia and the Baltic, up to a number of vertices."""
+    """European islands, and Great Britain, up to a number of vertices."""
     total, found = 0, []
     for fields, data in lines(folders, "f"):
         if fields[0] != "1" or total >= most or not fields[-1].isdigit():
             continue
         ring = read(data, fields)
         x, y = ring.mean(axis=0)
-        if -30 < x < 40 and 45 < y < 81 and len(np.unique(ring, axis=0)) == len(ring) > 3:
+        if -30 < x < 60 and 35 < y < 81 and len(np.unique(ring, axis=0)) == len(ring) > 3:
             if shapely.is_valid(shapely.Polygon(ring)):
                 found.append(ring)
                 total += len(ring)

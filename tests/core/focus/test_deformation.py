@@ -99,6 +99,9 @@ def test_crossing_pairs_by_brute_force():
                 if shapely.LineString(xy[edges[a]]).intersects(shapely.LineString(xy[edges[b]])):
                     expected.add((a, b))
     assert found == expected and len(found) > 20
+    moved = rng.random(len(edges)) < 0.3
+    some = [tuple(pair) for pair in crossings.crossing_pairs(xy, edges, moved)]
+    assert sorted(some) == sorted(pair for pair in expected if moved[list(pair)].any())
 
 
 def test_separations_hold_now_and_forbid_crossing():
