@@ -147,7 +147,7 @@ def _chains(n, edges, needed, xy):
     beside = ends[:, 1].tolist()
     stops = stop.tolist()
     seen = np.zeros(n, dtype=bool).tolist()
-    chains, sizes = [], []
+    chains = []
 
     def walk(u, v):
         chain = [u, v]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import metric
 from ..carving import carve, components, spanning_tree
 from ..partition import partition
 from ..objective import SELF
