@@ -24,6 +24,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ..core.errors import Cancelled
 from . import features
 from .base import IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
@@ -308,8 +309,6 @@ class CuttingTool(PartitionTool):
         settings = self.settings(
             parameters, context, source, feedback, all_dilations=writer.diagonals is not None
         )
-        from ..core.errors import Cancelled
-
         choose = self.chooser(parameters, context, source, feedback)
         for feature in steps:
             try:

@@ -1,5 +1,6 @@
 """The tool ``isthmus:partition``."""
 
+from ..core.errors import Unsolvable
 from .cutting import CuttingTool
 
 # Seconds that a polygon may take to close the gap of MinLength and MinWeight
@@ -80,7 +81,6 @@ class PartitionAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
-        from ..core.errors import Unsolvable
         from ..core.partition import select
 
         tau_of = self.dynamic(parameters, self.TAU, context, source)

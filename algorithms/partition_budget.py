@@ -2,6 +2,7 @@
 
 import math
 
+from ..core.errors import Unsolvable
 from .cutting import CuttingTool
 from .features import REAL
 
@@ -72,7 +73,6 @@ class PartitionBudgetAlgorithm(CuttingTool):
 
     def chooser(self, parameters, context, source, feedback):
         from ..core.budget import OverBudget, joint_solver, smallest_dilation
-        from ..core.errors import Unsolvable
 
         budget_of = self.dynamic(parameters, self.BUDGET, context, source)
 

@@ -13,6 +13,8 @@ from qgis.core import (
     QgsProcessingUtils,
 )
 
+from ..core.errors import Unsolvable
+from ..core.progress import checker, stretch
 from . import features
 
 
@@ -124,10 +126,9 @@ def solve(feature, settings, choose, feedback, progress):
     ------
     Cancelled
     """
-    from ..core.errors import Unsolvable
     from ..core.partition import finish
 
-    check = checker(feedback, progress)
+    check = checker(progress, feedback.isCanceled)
     tasks = prepare_tasks(feature, settings, feedback, stretch(check, 0.0, 0.65))
     ready = [task for task in tasks if not task.problem]
     try:
@@ -158,7 +159,6 @@ def prepare_tasks(feature, settings, feedback, check):
     import numpy as np
 
     from ..core import metric
-    from ..core.errors import Unsolvable
     from ..core.partition import prepare
 
     parts = features.polygons(feature.geometry())
@@ -193,28 +193,6 @@ def prepare_tasks(feature, settings, feedback, check):
     return tasks
 
 
-def checker(feedback, progress):
-    """Return the core's one callable out of QGIS's two: raises when cancelled, reports shares."""
-    from ..core.errors import Cancelled
-
-    def check(share=None):
-        if feedback.isCanceled():
-            raise Cancelled("cancelled")
-        if share is not None:
-            progress(share)
-
-    return check
-
-
-def stretch(check, start, stop):
-    """Return the same for a stage that runs from one share of the whole to another."""
-
-    def check_stage(share=None):
-        check(None if share is None else start + (stop - start) * share)
-
-    return check_stage
-
-
 def weigh_by_length(feature, coords, near, prepared):
     """Weights of MinLength."""
     return prepared.length * prepared.polygon.unit
@@ -243,8 +221,6 @@ def weigh_by_expression(text, source, lines, context):
 
     def weigh(feature, coords, near, prepared):
         import numpy as np
-
-        from ..core.errors import Unsolvable
 
         extra = features.dimensions(feature.geometry().wkbType())
         attributes = feature.attributes()

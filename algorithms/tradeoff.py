@@ -14,12 +14,14 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ..core.errors import Cancelled, Unsolvable
+from ..core.progress import checker, stretch
 from . import report
 from .base import Steps
 from .cutting import MIN_SIZE, PartitionTool, add_feature, make_fields
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
-from .solving import checker, prepare_tasks, stretch
+from .solving import prepare_tasks
 
 FIELDS = (
     ("source", LONG),
@@ -126,7 +128,6 @@ class TradeoffAlgorithm(PartitionTool):
     def processAlgorithm(self, parameters, context, feedback):
         from ..core.budget import joint_solver, trade_off
         from ..core.curve import paying_steps
-        from ..core.errors import Cancelled, Unsolvable
 
         source = self.source(parameters, context)
         low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
@@ -145,7 +146,7 @@ class TradeoffAlgorithm(PartitionTool):
         curves, count, skipped = [], 0, 0
         steps = Steps(source, feedback)
         for feature in steps:
-            check = checker(feedback, steps.progress)
+            check = checker(steps.progress, feedback.isCanceled)
             try:
                 tasks = prepare_tasks(feature, settings, feedback, stretch(check, 0.0, 0.3))
                 ready = [task for task in tasks if not task.problem]

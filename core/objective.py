@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .dual_tree import DualTree
+from .progress import ignore
 
 __all__ = ["LEAF", "ROOT", "SELF", "Network", "min_size", "network", "witness_lengths"]
 
@@ -101,7 +102,7 @@ def min_size(net, tau, check=None):
     O(n) for n edges. The size does not depend on the root edge.
     """
     solve = _states_by_node if net.narrow else _states_by_level
-    leaf, value, serves = solve(net, tau, check or _nothing)
+    leaf, value, serves = solve(net, tau, check or ignore)
     role = np.where(leaf, LEAF, SELF).astype(np.int8)
     role[0] = SELF
     role[_served(net, leaf, value, serves)] = ROOT
@@ -132,11 +133,7 @@ def witness_lengths(net, cut, check=None):
     O(n).
     """
     sides = _sides_by_node if net.narrow else _sides_by_level
-    return sides(net, cut, check or _nothing)
-
-
-def _nothing(_share=None):
-    pass
+    return sides(net, cut, check or ignore)
 
 
 def _levels(tree):

@@ -22,6 +22,8 @@ import time
 
 import numpy as np
 
+from .progress import ignore
+
 SLACK = 1e-12  # relative; path = tau * length ties are common on lattices
 NOISE = 1e-10  # relative; two costs closer than this are the same cost
 FIRST_POINTS = 96  # points per front in the first lower-bound pass
@@ -695,7 +697,7 @@ def min_weight(
     if not (np.isfinite(weight[1:]).all() and (weight[1:] >= 0).all()):
         raise ValueError("weights must be finite and not negative")
     tree = _Tree(net.tree.parent, net.length, net.base, weight, tau)
-    best = _Best(tree, max_gap, start, check or _nothing)
+    best = _Best(tree, max_gap, start, check or ignore)
     deadline = np.inf if time_limit is None else time.monotonic() + time_limit
 
     def timed_check():
@@ -708,10 +710,6 @@ def min_weight(
     except _Stop:
         pass
     return best.cut, best.lower
-
-
-def _nothing(_share=None):
-    pass
 
 
 class _Best:

@@ -15,11 +15,11 @@ from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .cuts import boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
-from .errors import Cancelled
 from .objective import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .objective_weighted import min_weight
 from .parts import Parts, build_parts
 from .polygon import Polygon, from_rings
+from .progress import checker, ignore, stretch
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
 
@@ -233,15 +233,15 @@ def partition(
     O(n) after validation, triangulation and sorting, for polygons without holes. Optimal for these
     (Theorem 1), a heuristic with checked dilations for polygons with holes (section 4.3).
     """
-    check = _checker(progress, cancelled)
+    check = checker(progress, cancelled)
     prepared = prepare(
-        coords, offsets, min_length, min_hole, lines, measure, engine, _stretch(check, 0.0, 0.65)
+        coords, offsets, min_length, min_hole, lines, measure, engine, stretch(check, 0.0, 0.65)
     )
     weight = None if weigh is None else weigh(prepared)
     selection = select(
-        prepared, tau, weight, max_gap, time_limit, _stretch(check, 0.65, 0.9), False
+        prepared, tau, weight, max_gap, time_limit, stretch(check, 0.65, 0.9), False
     )
-    result = finish(prepared, selection, all_dilations, _stretch(check, 0.9, 1.0))
+    result = finish(prepared, selection, all_dilations, stretch(check, 0.9, 1.0))
     check(1.0)
     return result
 
@@ -267,7 +267,7 @@ def prepare(
     Unsolvable, MissingEngine
     """
     measure = measure or metric.planar()
-    check = check or _nothing
+    check = check or ignore
     check(0.0)
     polygon = from_rings(coords, offsets)
     position = measure.positions(polygon.xy)
@@ -335,10 +335,10 @@ def select(
     -------
     Selection
     """
-    check = check or _nothing
+    check = check or ignore
     check(0.0)
     carved = prepared.carved
-    search = _stretch(check, 0.0, 0.8)
+    search = stretch(check, 0.0, 0.8)
     cut = min_size(carved.net, tau, search if weight is None else check) == SELF
     lower_bound = float(np.count_nonzero(cut[1:]) + len(carved.tree))
     if weight is not None:
@@ -381,7 +381,7 @@ def finish(prepared, selection, all_dilations=False, check=None):
     -------
     Partition
     """
-    check = check or _nothing
+    check = check or ignore
     polygon, carved = prepared.polygon, selection.carved
     role, dilation = _witnesses(prepared, carved, selection.selected, check)
     largest = selection.dilation
@@ -408,31 +408,6 @@ def finish(prepared, selection, all_dilations=False, check=None):
         ),
         lines=prepared.lines,
     )
-
-
-def _checker(progress, cancelled):
-    """One callable out of two: raises when cancelled, and reports the share done if it is told."""
-
-    def check(share=None):
-        if cancelled is not None and cancelled():
-            raise Cancelled("cancelled")
-        if progress is not None and share is not None:
-            progress(share)
-
-    return check
-
-
-def _stretch(check, start, stop):
-    """The same for a stage that runs from one share of the whole to another."""
-
-    def check_stage(share=None):
-        check(None if share is None else start + (stop - start) * share)
-
-    return check_stage
-
-
-def _nothing(_share=None):
-    pass
 
 
 def _mask(indices, size):
