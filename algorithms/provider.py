@@ -7,6 +7,7 @@ from qgis.PyQt.QtGui import QIcon
 
 from .aggregate import AggregateAlgorithm
 from .base import ICON
+from .focus_map import FocusMapAlgorithm
 from .partition import PartitionAlgorithm
 from .partition_budget import PartitionBudgetAlgorithm
 from .prepare_aggregation import PrepareAggregationAlgorithm
@@ -39,5 +40,6 @@ class IsthmusProvider(QgsProcessingProvider):
             TradeoffAlgorithm,
             PrepareAggregationAlgorithm,
             AggregateAlgorithm,
+            FocusMapAlgorithm,
         ):
             self.addAlgorithm(tool())

@@ -13,7 +13,7 @@ import shapely
 from .errors import MissingEngine, Unsolvable
 from .polygon import ring_polygon
 
-__all__ = ["diagonals", "engine_name", "missing_packages"]
+__all__ = ["diagonals", "engine_name", "missing_packages", "triangles"]
 
 
 def missing_packages(shapely_module=shapely):
@@ -62,6 +62,16 @@ def diagonals(polygon, conformal=None, engine=None):
     -----
     O(n log n) (Triangle's divide and conquer), and a sort.
     """
+    return _triangulate(polygon, conformal, engine)[1]
+
+
+def triangles(polygon, engine=None):
+    """Return the triangles themselves, as an (m, 3) array of vertex indices; see `diagonals`."""
+    return _triangulate(polygon, None, engine)[0]
+
+
+def _triangulate(polygon, conformal, engine):
+    """Triangles and their inner edges."""
     engine = engine or engine_name()
     if not engine:
         raise MissingEngine(missing_packages())
@@ -75,10 +85,10 @@ def diagonals(polygon, conformal=None, engine=None):
             planes.insert(0, bent)
     for plane in planes:
         for name in engines:
-            triangles = (_by_triangle if name == "triangle" else _by_shapely)(polygon, plane)
-            edges = _checked_edges(polygon, triangles)
-            if edges is not None and (plane is polygon.xy or _same_sides(polygon.xy, triangles)):
-                return edges
+            found = (_by_triangle if name == "triangle" else _by_shapely)(polygon, plane)
+            edges = _checked_edges(polygon, found)
+            if edges is not None and (plane is polygon.xy or _same_sides(polygon.xy, found)):
+                return found, edges
     raise Unsolvable("the polygon could not be triangulated (too fine for double precision)")
 
 

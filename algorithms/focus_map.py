@@ -1,0 +1,506 @@
+"""The tool ``isthmus:focusmap``."""
+
+import time
+
+from qgis.core import (
+    QgsCoordinateTransform,
+    QgsFeature,
+    QgsFeatureRequest,
+    QgsFeatureSink,
+    QgsFields,
+    QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingOutputMultipleLayers,
+    QgsProcessingOutputNumber,
+    QgsProcessingOutputString,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterFileDestination,
+    QgsProcessingParameterMultipleLayers,
+    QgsProcessingParameterNumber,
+    QgsProcessingUtils,
+    QgsVectorFileWriter,
+    QgsVectorLayer,
+    QgsWkbTypes,
+)
+
+from . import features
+from .base import WITHOUT_VALIDITY_CHECK, IsthmusAlgorithm, dependency_problem, style_on_load
+from .features import REAL, TEXT
+
+RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
+EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
+
+HELP = """
+<p>Enlarges a region of a map and keeps the shape of the rest, as far as that is possible: a map in
+which one country, city or coast is larger, and all around it is still to be recognised.</p>
+<p>The region in focus becomes <i>Scale</i> times as large, exactly. All other lines keep their
+direction and shape; their scale changes smoothly. What holds a country together are not its
+outlines alone: east and west coast must know of each other. So the tool adds <i>relevant edges</i>,
+diagonals between points that are close to each other though the way along the outline is long, and
+keeps these as well. By default it finds the smallest set of them by itself, the cuts of the tool
+<i>Partition polygons at bottlenecks</i>. All features are solved together: islands move with their
+mainland, and points that lines or polygons share stay together.</p>
+<p><b>Which relevant edges.</b> <i>MinSize</i>, the optimal set, is the best choice: few edges, and
+the shape is kept. <i>Greedy</i> (van Dijk and others 2013) needs more edges. <i>Proximity</i> (Harrie
+and Sarjakoski 2002) and <i>None</i> are there to compare with. Smaller values of tau give more edges
+and a stiffer map.</p>
+<p><b>Result.</b> No lines cross that did not cross before, polygons stay valid, and with <i>Keep
+the extent</i> nothing leaves the frame. Where that cannot be done, the tool says why, and gives the
+map with the largest scale that it reached. The numbers tell how much the triangles of the polygons
+are distorted: the share of the area that lies upside down, and the change of angles.</p>
+<p><b>Further layers</b> (rivers, towns, labels) are carried along by the same deformation; they are
+written in the CRS of the map.</p>
+<p><b>Needs</b> a projected CRS: in degrees, shapes have no meaning. Large maps are solved on a
+simplified outline of about 3,000 points, and all their detail is carried along.</p>
+<p>Method: J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant
+edges: J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016,
+section 5.1.</p>
+"""
+
+
+class FocusMapAlgorithm(IsthmusAlgorithm):
+    """Enlarge a region of a map in its context."""
+
+    INPUT = "INPUT"
+    FOCUS = "FOCUS"
+    SCALE = "SCALE"
+    EDGES = "EDGES"
+    SELECTION = "SELECTION"
+    TAU = "TAU"
+    FRAME = "FRAME"
+    ALONG = "ALONG"
+    OUTPUT = "OUTPUT"
+    CARRIED = "CARRIED"
+    EDGES_USED = "EDGES_USED"
+    CARRIED_LAYERS = "CARRIED_LAYERS"
+    SCALE_REACHED = "SCALE_REACHED"
+    FLIPPED_AREA = "FLIPPED_AREA"
+    MEDIAN_DISTORTION = "MEDIAN_DISTORTION"
+    HIGH_DISTORTION = "HIGH_DISTORTION"
+    CROSSINGS = "CROSSINGS"
+    EDGE_COUNT = "EDGE_COUNT"
+    SECONDS = "SECONDS"
+    PROBLEM = "PROBLEM"
+
+    def name(self):
+        return "focusmap"
+
+    def displayName(self):
+        return "Enlarge a region in context"
+
+    def group(self):
+        return "Deformation"
+
+    def groupId(self):
+        return "deformation"
+
+    def tags(self):
+        return (
+            "focus,enlarge,magnify,zoom,inset,variable scale,fisheye,lens,cartogram,distort,"
+            "deform,context,map,generalize"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Enlarges a region of a map and keeps the shape of the rest."
+
+    def shortHelpString(self):
+        return HELP
+
+    def canExecute(self):
+        problem = dependency_problem() or scipy_problem()
+        return not problem, problem
+
+    def initAlgorithm(self, configuration=None):
+        def add(parameter, help_text):
+            parameter.setHelp(help_text)
+            self.addParameter(parameter)
+
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.INPUT,
+                "Map (polygons or lines)",
+                [QgsProcessing.SourceType.TypeVectorPolygon, QgsProcessing.SourceType.TypeVectorLine],
+            ),
+            "The polygons or lines of the map, in a projected CRS. All features are solved together.",
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.FOCUS, "Region to enlarge", [QgsProcessing.SourceType.TypeVectorPolygon]
+            ),
+            "One or more polygons around what is to become larger. A rough outline will do: what "
+            "counts are the points of the map inside.",
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.SCALE,
+                "Scale",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=2.0,
+                minValue=0.01,
+                maxValue=100.0,
+            ),
+            "How many times as large the region becomes. Below 1 it shrinks; 1 changes nothing.",
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.EDGES,
+                "Relevant edges",
+                [QgsProcessing.SourceType.TypeVectorLine],
+                optional=True,
+            ),
+            "Your own relevant edges, such as the cuts of the partition tool: lines between points of "
+            "the map. If there are none, the tool finds them by the rule below.",
+        )
+        add(
+            QgsProcessingParameterEnum(
+                self.SELECTION,
+                "Rule for relevant edges, where none are given",
+                options=RULES,
+                defaultValue=RULES[0],
+                usesStaticStrings=True,
+            ),
+            "MinSize: the fewest edges so that no way along outline and edges is more than tau times "
+            "as long as the straight line, for all diagonals of a triangulation. MinLength: those of "
+            "least total length. Greedy: van Dijk and "
+            "others 2013. Proximity: Harrie and Sarjakoski 2002. None: only the lines of the map.",
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.TAU,
+                "Largest detour (tau)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=2.0,
+                minValue=1.0,
+            ),
+            "Smaller values give more edges and a stiffer map. Not used by Proximity; where there "
+            "are islands, edges join them by the same measure.",
+        )
+        add(
+            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map", True),
+            "On: the map stays inside the extent that it has, and reaches to its sides. Off: it "
+            "grows, the region stays where it is, and the outermost points keep their scale.",
+        )
+        add(
+            QgsProcessingParameterMultipleLayers(
+                self.ALONG,
+                "Further layers to carry along",
+                QgsProcessing.SourceType.TypeVectorAnyGeometry,
+                optional=True,
+            ),
+            "Rivers, towns, labels: deformed as the map around them.",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(self.OUTPUT, "Focus map"),
+            "All features and fields of the map.",
+        )
+        add(
+            QgsProcessingParameterFileDestination(
+                self.CARRIED,
+                "Carried layers",
+                "GeoPackage (*.gpkg)",
+                optional=True,
+                createByDefault=True,
+            ),
+            "A GeoPackage with one layer for each further layer, by its name. It is written anew.",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.EDGES_USED,
+                "Relevant edges used",
+                QgsProcessing.SourceType.TypeVectorLine,
+                optional=True,
+                createByDefault=False,
+            ),
+            "The relevant edges where they are in the focus map: kind (selected, given, or join "
+            "between islands), length before, and stretch (length after over length before).",
+        )
+        self.addOutput(QgsProcessingOutputMultipleLayers(self.CARRIED_LAYERS, "Carried layers"))
+        for name, label in (
+            (self.SCALE_REACHED, "Scale reached in the focus"),
+            (self.FLIPPED_AREA, "Area upside down (%)"),
+            (self.MEDIAN_DISTORTION, "Median angular distortion (degrees)"),
+            (self.HIGH_DISTORTION, "Angular distortion, 95 % (degrees)"),
+            (self.CROSSINGS, "Number of new crossings"),
+            (self.EDGE_COUNT, "Number of relevant edges"),
+            (self.SECONDS, "Time (seconds)"),
+        ):
+            self.addOutput(QgsProcessingOutputNumber(name, label))
+        self.addOutput(QgsProcessingOutputString(self.PROBLEM, "What is wrong (empty if nothing is)"))
+
+    def parameter_problem(self, parameters, context):
+        problem = scipy_problem()
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        if not problem and source is not None and source.sourceCrs().isGeographic():
+            problem = (
+                f"The map is in degrees ({source.sourceCrs().authid()}), and degrees have no shapes "
+                "to keep. Reproject it to a projected CRS first (tool Reproject layer), such as the "
+                "national grid or the UTM zone."
+            )
+        return problem
+
+    def processAlgorithm(self, parameters, context, feedback):
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        focus_source = self.parameterAsSource(parameters, self.FOCUS, context)
+        for name, value in ((self.INPUT, source), (self.FOCUS, focus_source)):
+            if value is None:
+                raise QgsProcessingException(self.invalidSourceError(parameters, name))
+        if source.sourceCrs().isGeographic():  # checks may be skipped
+            raise QgsProcessingException(self.parameter_problem(parameters, context))
+        import numpy as np
+
+        from ..core.errors import Cancelled, IsthmusError
+        from ..core.focus.enlarge import enlarge
+
+        begun = time.monotonic()
+        crs = source.sourceCrs()
+        held, runs = [], []
+        for feature in source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK):
+            if feedback.isCanceled():
+                return {}
+            held.append(feature)
+            runs.append(features.Runs(feature.geometry()))
+        counts = [count for one in runs for count in one.counts]
+        if not counts:
+            raise QgsProcessingException("The map has no features with a geometry.")
+        rows = np.concatenate([one.xy for one in runs])
+        starts = np.append(0, np.cumsum(counts))
+        polygons, first = [], 0
+        for one in runs:
+            polygons += [[first + ring for ring in rings] for rings in one.polygons]
+            first += len(one.counts)
+        focus = self._focus(focus_source, crs, context)
+        given = self._given(parameters, context, crs, rows, feedback)
+        feedback.pushInfo(f"{len(held)} features, {len(rows)} points.")
+        frame = self.parameterAsBoolean(parameters, self.FRAME, context)
+        try:
+            result = enlarge(
+                rows,
+                starts,
+                polygons,
+                focus,
+                self.parameterAsDouble(parameters, self.SCALE, context),
+                edges=given,
+                rule=self.parameterAsEnumString(parameters, self.SELECTION, context),
+                tau=self.parameterAsDouble(parameters, self.TAU, context),
+                frame=frame,
+                progress=lambda share: feedback.setProgress(95.0 * share),
+                cancelled=feedback.isCanceled,
+            )
+        except Cancelled:
+            return {}
+        except IsthmusError as problem:
+            message = str(problem)
+            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}.") from None
+        for reason in result.skipped[:20]:
+            feedback.pushWarning(f"No relevant edges for {reason}.")
+        if len(result.skipped) > 20:
+            feedback.pushWarning(f"... and for {len(result.skipped) - 20} more.")
+        if result.problem:
+            feedback.reportError(
+                f"The scale of {self.parameterAsDouble(parameters, self.SCALE, context):g} could not "
+                f"be reached: {result.problem}. This is the last good map, with the region enlarged "
+                f"{result.scale:.3f} times. A smaller scale, a larger map around the region, or "
+                "switching the frame off gives more room."
+            )
+        answer = self._write(parameters, context, source, held, runs, result)
+        answer.update(self._write_edges(parameters, context, crs, result))
+        answer.update(
+            self._carry(parameters, context, crs, result, starts, rows, focus, frame, feedback)
+        )
+        feedback.setProgress(100)
+        answer.update({
+            self.SCALE_REACHED: result.scale,
+            self.FLIPPED_AREA: 100.0 * result.distortion.flipped,
+            self.MEDIAN_DISTORTION: result.distortion.median,
+            self.HIGH_DISTORTION: result.distortion.high,
+            self.CROSSINGS: result.crossings,
+            self.EDGE_COUNT: len(result.edges),
+            self.SECONDS: time.monotonic() - begun,
+            self.PROBLEM: result.problem,
+        })
+        return answer
+
+    def _focus(self, source, crs, context):
+        """The region in focus, in the CRS of the map."""
+        import shapely
+
+        found = []
+        for geometry in _geometries(source, crs, context):
+            found.append(shapely.from_wkb(bytes(_straight(geometry).asWkb())))
+        if not found:
+            raise QgsProcessingException("The layer of the region to enlarge has no polygons.")
+        return shapely.union_all(shapely.make_valid(found))
+
+    def _given(self, parameters, context, crs, rows, feedback):
+        """The rows at the ends of relevant edges that were given, or None."""
+        source = self.parameterAsSource(parameters, self.EDGES, context)
+        if source is None:
+            return None
+        import numpy as np
+
+        from ..core.focus.graph import match
+
+        ends = [np.empty((0, 2, 2))]
+        for geometry in _geometries(source, crs, context):
+            one, start = features.Runs(geometry), 0
+            for count in one.counts:
+                line = one.xy[start:start + count]
+                ends.append(np.stack((line[:-1], line[1:]), axis=1))
+                start += count
+        ends = np.concatenate(ends)
+        found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
+        good = (found >= 0).all(axis=1)
+        if not good.all():
+            feedback.pushWarning(
+                f"{np.count_nonzero(~good)} of {len(good)} relevant edges were left out: an end is "
+                "not a point of the map."
+            )
+        return found[good]
+
+    def _write(self, parameters, context, source, held, runs, result):
+        kind = QgsWkbTypes.linearType(source.wkbType())
+        sink, destination = self.parameterAsSink(
+            parameters, self.OUTPUT, context, source.fields(), kind, source.sourceCrs()
+        )
+        if sink is None:
+            raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
+        start = 0
+        for feature, one in zip(held, runs):
+            count = sum(one.counts)
+            if count:
+                feature.setGeometry(one.moved(result.rows[start:start + count]))
+            start += count
+            _add(sink, feature)
+        return {self.OUTPUT: destination}
+
+    def _write_edges(self, parameters, context, crs, result):
+        fields = QgsFields()
+        for name, kind in EDGE_FIELDS:
+            fields.append(features.field(name, kind))
+        sink, destination = self.parameterAsSink(
+            parameters, self.EDGES_USED, context, fields, QgsWkbTypes.Type.LineString, crs
+        )
+        if sink is None:
+            if parameters.get(self.EDGES_USED):
+                raise QgsProcessingException(self.invalidSinkError(parameters, self.EDGES_USED))
+            return {}
+        import numpy as np
+
+        before, after = (
+            np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
+            for xy in (result.points, result.moved)
+        )
+        for ends, kind, length, longer in zip(
+            result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
+        ):
+            feature = QgsFeature(fields)
+            feature.setGeometry(features.line_geometry(result.moved, ends, 0))
+            feature.setAttributes([kind, length, longer])
+            _add(sink, feature)
+        style_on_load(context, destination, "cuts.qml")
+        return {self.EDGES_USED: destination}
+
+    def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):
+        layers = self.parameterAsLayerList(parameters, self.ALONG, context)
+        if not layers:
+            return {self.CARRIED_LAYERS: []}
+        from ..core.focus.carrying import Carrier
+        from ..core.focus.graph import build_graph
+
+        edges = build_graph(rows, starts).edges
+        carrier = Carrier(result.points, result.moved, edges, focus, result.scale, not frame)
+        path = self.parameterAsFileOutput(parameters, self.CARRIED, context)
+        path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
+        written, names = [], []
+        for layer in layers:
+            if feedback.isCanceled():
+                break
+            name = layer.name() or "layer"
+            while name in names:
+                name += "_2"
+            names.append(name)
+            whole = QgsVectorFileWriter.ActionOnExistingFile
+            action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
+            written.append(self._carry_layer(layer, name, path, action, crs, carrier, context))
+        return {self.CARRIED: path, self.CARRIED_LAYERS: written}
+
+    def _carry_layer(self, layer, name, path, action, crs, carrier, context):
+        options = QgsVectorFileWriter.SaveVectorOptions()
+        options.driverName, options.layerName = "GPKG", name
+        options.actionOnExistingFile = action
+        kind = QgsWkbTypes.linearType(layer.wkbType())
+        fields = QgsFields(layer.fields())
+        writer = QgsVectorFileWriter.create(
+            path, fields, kind, crs, context.transformContext(), options,
+            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+        )  # fmt: skip
+        if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
+            raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
+        transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
+        for feature in layer.getFeatures():
+            geometry = feature.geometry()
+            if not geometry.isNull():
+                geometry.transform(transform)
+                one = features.Runs(geometry)
+                if one.counts:
+                    feature.setGeometry(one.moved(carrier(one.xy)))
+            if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+                raise QgsProcessingException(
+                    f"A feature of {name} could not be written: {writer.errorMessage()}"
+                )
+        del writer
+        address = f"{path}|layername={name}"
+        details = QgsProcessingContext.LayerDetails(name, context.project(), name)
+        if context.project() is not None:
+            carried = QgsVectorLayer(address, name, "ogr")
+            context.temporaryLayerStore().addMapLayer(carried)
+            context.addLayerToLoadOnCompletion(carried.id(), details)
+        return address
+
+
+def scipy_problem():
+    """Return what to do if scipy is missing, or ''."""
+    try:
+        import scipy.sparse.linalg  # noqa: F401
+        import scipy.spatial  # noqa: F401
+    except ImportError:
+        import numpy
+
+        return (
+            "This tool needs the Python package scipy. To install it, run this (on Windows in the "
+            f'OSGeo4W Shell), then restart QGIS: python3 -m pip install --user scipy '
+            f'"numpy=={numpy.__version__}" (the last word keeps QGIS\'s own numpy; on Debian and '
+            "Ubuntu: apt install python3-scipy)"
+        )
+    return ""
+
+
+def _geometries(source, crs, context):
+    """The geometries of a source in another CRS, none empty."""
+    transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
+    request = QgsFeatureRequest().setSubsetOfAttributes([])
+    for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
+        geometry = feature.geometry()
+        if geometry.isNull() or geometry.isEmpty():
+            continue
+        if transform.isValid() and not transform.isShortCircuited():
+            geometry.transform(transform)
+        yield geometry
+
+
+def _straight(geometry):
+    abstract = geometry.constGet()
+    curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
+    return abstract.segmentize() if curved else abstract
+
+
+def _add(sink, feature):
+    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+        raise QgsProcessingException(
+            "A result could not be written (is the disk full, or a value too long for the format?): "
+            f"{sink.lastError()}"
+        )

@@ -1,0 +1,78 @@
+"""How much a deformed map is distorted: on one yardstick, the triangles of the input."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+__all__ = ["Distortion", "angular_distortion", "distortion"]
+
+
+class Distortion(NamedTuple):
+    """Distortion of a map.
+
+    Attributes
+    ----------
+    flipped : float
+        Share of the input's area whose triangles lie upside down, 0 to 1.
+    median, high : float
+        Angular distortion in degrees that half, and 95 %, of the area do not exceed.
+    """
+
+    flipped: float
+    median: float
+    high: float
+
+
+def angular_distortion(before, after, triangles):
+    """Return area, orientation and angular distortion of triangles.
+
+    Parameters
+    ----------
+    before, after : (n, 2) float
+    triangles : (m, 3) int
+
+    Returns
+    -------
+    area : (m,) float
+        Before.
+    kept : (m,) bool
+        Whether the orientation is the same.
+    angle : (m,) float
+        The most by which the affine map changes an angle between two directions, in degrees
+        (Tissot's omega, 0 for a similarity); 180 for a triangle upside down.
+
+    Notes
+    -----
+    With singular values a >= b of the map, omega = 2 arcsin((a - b) / (a + b)).
+    """
+    p, q = (xy[triangles[:, 1:]] - xy[triangles[:, :1]] for xy in (before, after))
+    area = p[:, 0, 0] * p[:, 1, 1] - p[:, 0, 1] * p[:, 1, 0]
+    ok = area != 0.0
+    inverse = np.empty_like(p)
+    inverse[:, 0, 0], inverse[:, 1, 1] = p[:, 1, 1], p[:, 0, 0]
+    inverse[:, 0, 1], inverse[:, 1, 0] = -p[:, 0, 1], -p[:, 1, 0]
+    # q = p A, rows being vectors; A up to the factor area, which no angle depends on
+    a = np.einsum("ijk,ikl->ijl", inverse, q) * np.sign(area)[:, None, None]
+    both = np.hypot(a[:, 0, 0] + a[:, 1, 1], a[:, 0, 1] - a[:, 1, 0])  # sum of singular values
+    apart = np.hypot(a[:, 0, 0] - a[:, 1, 1], a[:, 0, 1] + a[:, 1, 0])  # difference
+    kept = ~ok | (both > apart)
+    with np.errstate(all="ignore"):
+        angle = np.degrees(2.0 * np.arcsin(np.minimum(apart / both, 1.0)))
+    return np.abs(area) / 2.0, kept, np.where(kept, np.where(ok, angle, 0.0), 180.0)
+
+
+def distortion(before, after, triangles):
+    """Return the `Distortion` of triangles, weighed by their area before."""
+    if not len(triangles):
+        return Distortion(0.0, 0.0, 0.0)
+    area, kept, angle = angular_distortion(before, after, triangles)
+    order = np.argsort(angle)
+    share = np.cumsum(area[order])
+    total = share[-1] or 1.0
+    median, high = (
+        float(angle[order[min(np.searchsorted(share, q * total), len(order) - 1)]])
+        for q in (0.5, 0.95)
+    )
+    return Distortion(float(area[~kept].sum() / total), median, high)

@@ -1,0 +1,194 @@
+"""Relevant edges: which diagonals hold a map together (section 5.1 of the paper).
+
+Candidates are the diagonals of a constrained Delaunay triangulation of each polygon, for every rule
+the same. Rules: the optimal sets of this project, the greedy heuristic of van Dijk et al. (2013)
+and the proximity rule of Harrie and Sarjakoski (2002).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..carving import carve, components, spanning_tree
+from ..partition import partition
+from ..objective import SELF
+from ..polygon import from_rings
+from ..triangulation import diagonals
+
+__all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
+
+HOPS = 8  # Harrie and Sarjakoski: an edge needs a way of at least so many segments
+GAP, SECONDS = 0.001, 20.0  # of MinLength: relative, and for one polygon
+REACH = 0.02  # their largest length, as a share of the diagonal of the map's extent
+
+
+def min_size(coords, offsets, tau, check):
+    """Return the fewest diagonals that keep every detour within tau (Theorem 1).
+
+    Parameters
+    ----------
+    coords, offsets
+        Rings of one polygon, see `polygon.from_rings`.
+    tau : float
+        At least 1.
+    check : callable
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    (s, 2) int
+        Rows of ``coords`` at the ends.
+    """
+    solution = partition(coords, offsets, tau, cancelled=_asks(check))
+    return solution.edge_rows[solution.role == SELF]
+
+
+def min_length(coords, offsets, tau, check):
+    """Return diagonals of least total length that keep every detour within tau.
+
+    Parameters, returns: see `min_size`.
+
+    Notes
+    -----
+    Within `GAP` of the optimum, or what is found in `SECONDS`.
+    """
+    solution = partition(
+        coords, offsets, tau, weigh=lambda prepared: prepared.length, max_gap=GAP,
+        time_limit=SECONDS, cancelled=_asks(check),
+    )  # fmt: skip
+    return solution.edge_rows[solution.role == SELF]
+
+
+def greedy(coords, offsets, tau, check):
+    """Return the diagonals of van Dijk et al.: add that of largest dilation until none is above tau.
+
+    Parameters, returns: see `min_size`.
+
+    Notes
+    -----
+    An added diagonal splits the polygon in two, and no shortest path between two points of one part
+    needs the other: so each part goes on by itself, and the dilation of a diagonal is the shorter
+    way around its part over its length. O(n) for each edge added, less as the parts get smaller.
+    A polygon with holes is first joined by a shortest spanning tree (section 4.3).
+    """
+    polygon = from_rings(coords, offsets)
+    edges = diagonals(polygon)
+    component = components(polygon)
+    length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T)
+    wanted = set(component.tolist())
+    tree = spanning_tree(polygon, component, edges, length, wanted)
+    walk = carve(polygon, component, edges, tree, wanted)
+    free = np.ones(len(edges), dtype=bool)
+    free[tree] = False
+    free = np.flatnonzero(free)
+
+    xy = polygon.xy[polygon.vertex[walk.corner]]
+    step = np.hypot(*(np.roll(xy, -1, axis=0) - xy).T)
+    chosen = [tree]
+    # a part: the distance from each of its places to the next, and its candidates
+    parts = [(step, walk.i[free], walk.j[free], free)]
+    while parts:
+        check()
+        step, i, j, edge = parts.pop()
+        along = np.append(0.0, np.cumsum(step))
+        arc = along[j] - along[i]
+        dilation = np.minimum(arc, along[-1] - arc) / length[edge]
+        worst = int(np.argmax(dilation)) if len(edge) else -1
+        if worst < 0 or dilation[worst] <= tau * (1.0 + 1e-12):
+            continue
+        chosen.append(edge[worst:worst + 1])
+        a, b, cut = i[worst], j[worst], length[edge[worst]]
+        within = (i >= a) & (j <= b)
+        within[worst] = False
+        beyond = ~within
+        beyond[worst] = False
+        parts.append((np.append(step[a:b], cut), i[within] - a, j[within] - a, edge[within]))
+        shift = b - a - 1
+        parts.append((
+            np.concatenate((step[:a], [cut], step[b:])),
+            i[beyond] - np.where(i[beyond] >= b, shift, 0),
+            j[beyond] - np.where(j[beyond] >= b, shift, 0),
+            edge[beyond],
+        ))
+    return _rows(polygon, edges[np.sort(np.concatenate(chosen))])
+
+
+def proximity(coords, offsets, reach, check):
+    """Return the diagonals of Harrie and Sarjakoski: shorter than ``reach``, with no short way.
+
+    Parameters
+    ----------
+    coords, offsets, check
+        See `min_size`.
+    reach : float
+
+    Returns
+    -------
+    (s, 2) int
+
+    Notes
+    -----
+    A way is short if it has fewer than `HOPS` segments of the outline.
+    """
+    polygon = from_rings(coords, offsets)
+    check()
+    edges = diagonals(polygon)
+    length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T) * polygon.unit
+    edges = edges[length < reach]
+    corner = np.empty(len(polygon.xy), dtype=np.int64)
+    corner[polygon.vertex] = np.arange(len(polygon.vertex))
+    ring = polygon.ring_of_corner[corner[edges]]
+    hops = np.abs(corner[edges[:, 0]] - corner[edges[:, 1]])
+    around = np.diff(polygon.offsets)[ring[:, 0]]
+    short = (ring[:, 0] == ring[:, 1]) & (np.minimum(hops, around - hops) < HOPS)
+    return _rows(polygon, edges[~short])
+
+
+RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
+
+
+def select(rule, coords, offsets, tau, extent, check):
+    """Return the relevant edges of one polygon by one of the `RULES`.
+
+    Parameters
+    ----------
+    rule : str
+    coords, offsets, tau, check
+        See `min_size`.
+    extent : float
+        The diagonal of the map's extent.
+
+    Returns
+    -------
+    (s, 2) int
+
+    Raises
+    ------
+    Unsolvable
+    """
+    if rule == "MinSize":
+        return min_size(coords, offsets, tau, check)
+    if rule == "MinLength":
+        return min_length(coords, offsets, tau, check)
+    if rule == "Greedy":
+        return greedy(coords, offsets, tau, check)
+    if rule == "Proximity":
+        return proximity(coords, offsets, REACH * extent, check)
+    return np.empty((0, 2), dtype=np.int64)
+
+
+def _rows(polygon, edges):
+    """Input rows at the ends of edges."""
+    row = np.empty(len(polygon.xy), dtype=np.int64)
+    row[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
+    return row[edges]
+
+
+def _asks(check):
+    """``check`` as the question that `partition` asks."""
+
+    def cancelled():
+        check()
+        return False
+
+    return cancelled

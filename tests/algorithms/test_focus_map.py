@@ -1,0 +1,218 @@
+"""The tool isthmus:focusmap, as QGIS runs it."""
+
+import builtins
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("qgis.core")
+pytest.importorskip("scipy")
+
+from qgis.core import (
+    QgsGeometry,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingFeedback,
+    QgsProcessingModelAlgorithm,
+    QgsProcessingUtils,
+    QgsProject,
+    QgsVectorLayer,
+)
+
+TOOL = "isthmus:focusmap"
+
+# a square of side 10, joined with a tall rectangle by a corridor of width 1, and an island
+DUMBBELL = (
+    "0 0, 10 0, 10 4, 20 4, 20 -10, 30 -10, 30 20, 20 20, 20 5, 10 5, 10 10, 0 10, 0 0"
+)
+ISLAND = "14 7, 16 7, 15 9, 14 7"
+
+
+@pytest.fixture
+def land(layer):
+    return layer("Polygon?crs=EPSG:3035&field=name:string&field=n:integer", [
+        (f"POLYGON(({DUMBBELL}))", ["dumbbell", 1]), (f"POLYGON(({ISLAND}))", ["island", 2]),
+        (None, ["nothing", 3]),
+    ])  # fmt: skip
+
+
+@pytest.fixture
+def focus(layer):
+    return layer("Polygon?crs=EPSG:3035", [("POLYGON((-1 -1, 11 -1, 11 11, -1 11, -1 -1))", [])])
+
+
+def features(results, name="OUTPUT"):
+    return list(results[name].getFeatures())
+
+
+def points(geometry):
+    return np.array([(v.x(), v.y()) for v in geometry.vertices()])
+
+
+def parameters(land, focus, **more):
+    return {"INPUT": land, "FOCUS": focus, "SCALE": 1.3, "OUTPUT": "memory:", **more}
+
+
+def test_map(run, land, focus, feedback):
+    results = run(TOOL, parameters(land, focus, EDGES_USED="memory:"), feedback)
+    found = features(results)
+    assert [f["name"] for f in found] == ["dumbbell", "island", "nothing"]
+    assert [f["n"] for f in found] == [1, 2, 3]
+    assert not found[2].hasGeometry()
+    before, after = (points(next(land.getFeatures()).geometry()), points(found[0].geometry()))
+    inside = before[:, 0] <= 10.0
+    assert np.allclose(after[inside] - after[0], 1.3 * (before[inside] - before[0]), atol=1e-8)
+    for feature in found[:2]:
+        assert feature.geometry().isGeosValid()
+        box = feature.geometry().boundingBox()
+        assert box.xMinimum() >= -1e-9 and box.xMaximum() <= 30 + 1e-9
+        assert box.yMinimum() >= -10 - 1e-9 and box.yMaximum() <= 20 + 1e-9
+    assert results["SCALE_REACHED"] == 1.3 and results["CROSSINGS"] == 0
+    assert results["PROBLEM"] == "" and results["SECONDS"] > 0
+    assert 0 <= results["FLIPPED_AREA"] < 1
+    assert 0 < results["MEDIAN_DISTORTION"] <= results["HIGH_DISTORTION"] < 180
+    edges = features(results, "EDGES_USED")
+    assert len(edges) == results["EDGE_COUNT"] > 0
+    assert {edge["kind"] for edge in edges} == {"selected", "join"}
+    assert feedback.shares == sorted(feedback.shares) and feedback.shares[-1] == 100
+
+
+def test_scale_one_is_the_identity(run, land, focus):
+    results = run(TOOL, parameters(land, focus, SCALE=1.0))
+    for before, after in zip(land.getFeatures(), features(results)):
+        assert before.geometry().asWkb() == after.geometry().asWkb()
+
+
+@pytest.mark.parametrize("rule", ["MinSize", "MinLength", "Greedy", "Proximity", "None"])
+def test_rules(run, land, focus, rule):
+    results = run(TOOL, parameters(land, focus, SELECTION=rule, EDGES_USED="memory:"))
+    kinds = [edge["kind"] for edge in features(results, "EDGES_USED")]
+    assert ("selected" in kinds) == (rule in ("MinSize", "MinLength", "Greedy"))  # no way of 8 segments here
+    assert results["CROSSINGS"] == 0
+
+
+def test_cuts_of_the_partition_tool_as_edges(run, land, focus, layer, feedback):
+    cuts = run("isthmus:partition", {"INPUT": land, "TAU": 2, "OUTPUT": "memory:", "CUTS": "memory:"})
+    lines = cuts["CUTS"]
+    results = run(TOOL, parameters(land, focus, EDGES=lines, EDGES_USED="memory:"), feedback)
+    kinds = [edge["kind"] for edge in features(results, "EDGES_USED")]
+    assert kinds.count("given") == lines.featureCount() > 0 and not feedback.warnings
+    stray = layer("LineString?crs=EPSG:3035", [("LINESTRING(1 1, 2 2)", [])])
+    run(TOOL, parameters(land, focus, EDGES=stray), feedback)
+    assert any("1 of 1 relevant edges were left out" in text for text in feedback.warnings)
+
+
+def test_carried_layers(run, land, focus, layer, tmp_path):
+    towns = layer("Point?crs=EPSG:4326&field=name:string", [])
+    from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProject
+
+    corner = QgsGeometry.fromWkt("POINT(10 4)")
+    corner.transform(QgsCoordinateTransform(
+        QgsCoordinateReferenceSystem("EPSG:3035"), towns.crs(), QgsProject.instance()
+    ))  # fmt: skip
+    towns = layer("Point?crs=EPSG:4326&field=name:string", [(corner, ["corner"])])
+    rivers = layer("LineStringZM?crs=EPSG:3035&field=name:string", [
+        ("LINESTRING ZM(2 2 7 8, 10 4 1 2, 500 500 3 4)", ["river"]), (None, ["dry"]),
+    ])  # fmt: skip
+    path = str(tmp_path / "carried.gpkg")
+    results = run(TOOL, parameters(land, focus, ALONG=[towns, rivers], CARRIED=path))
+    assert len(results["CARRIED_LAYERS"]) == 2
+    town, river = (QgsVectorLayer(address, "", "ogr") for address in results["CARRIED_LAYERS"])
+    assert town.crs().authid() == river.crs().authid() == "EPSG:3035"
+    moved = points(features(results)[0].geometry())[2]
+    assert np.allclose(points(next(town.getFeatures()).geometry())[0], moved, atol=0.01)  # there and back
+    line, dry = river.getFeatures()
+    assert (line["name"], dry["name"]) == ("river", "dry") and dry.geometry().isEmpty()
+    assert [(v.z(), v.m()) for v in line.geometry().vertices()] == [(7, 8), (1, 2), (3, 4)]
+    assert np.allclose(points(line.geometry())[1], moved, atol=1e-8)
+    assert np.allclose(points(line.geometry())[2], (500, 500), atol=1e-6)
+
+
+def test_z_and_m_and_multipart(run, layer, focus):
+    land = layer("MultiPolygonZM?crs=EPSG:3035", [
+        ("MULTIPOLYGON ZM(((0 0 1 2, 10 0 3 4, 20 8 5 6, 0 8 7 8, 0 0 1 2), "
+         "(2 2 0 1, 3 4 0 1, 4 2 0 1, 2 2 0 1)), ((22 -9 1 1, 25 -9 1 1, 25 18 1 1, 22 -9 1 1)))", []),
+    ])  # fmt: skip
+    results = run(TOOL, parameters(land, focus))
+    before, after = next(land.getFeatures()).geometry(), features(results)[0].geometry()
+    assert after.isGeosValid() and after.wkbType() == before.wkbType()
+    assert [(v.z(), v.m()) for v in before.vertices()] == [(v.z(), v.m()) for v in after.vertices()]
+
+
+def test_lines(run, layer, focus):
+    roads = layer("LineString?crs=EPSG:3035&field=name:string", [
+        ("LINESTRING(0 5, 10 5, 20 6, 30 5)", ["a"]), ("LINESTRING(10 0, 10 5, 12 25)", ["b"]),
+    ])  # fmt: skip
+    results = run(TOOL, parameters(roads, focus))
+    a, b = (points(f.geometry()) for f in features(results))
+    assert (a[1] == b[1]).all()
+    assert a[1, 0] - a[0, 0] == pytest.approx(13.0, abs=1e-8)
+
+
+def test_degrees_are_refused(provider, layer, focus):
+    from qgis.core import QgsApplication, QgsProcessingContext
+
+    tool = QgsApplication.processingRegistry().algorithmById(TOOL)
+    land = layer("Polygon?crs=EPSG:4326", [(f"POLYGON(({DUMBBELL}))", [])])
+    ok, message = tool.checkParameterValues(parameters(land, focus), QgsProcessingContext())
+    assert not ok and "degrees" in message and "Reproject" in message
+
+
+@pytest.mark.parametrize("wkt, words", [
+    ("POLYGON((100 100, 110 100, 110 110, 100 100))", "touches nothing"),
+    ("POLYGON((-99 -99, 99 -99, 99 99, -99 99, -99 -99))", "covers all"),
+    (None, "no polygons"),
+])  # fmt: skip
+def test_a_focus_that_cannot_be(run, land, layer, wkt, words):
+    wrong = layer("Polygon?crs=EPSG:3035", [(wkt, [])])
+    with pytest.raises(QgsProcessingException, match=words):
+        run(TOOL, parameters(land, wrong))
+
+
+def test_cancel(run, land, focus, cancelling):
+    feedback = cancelling(cancel_after=1)
+    results = run(TOOL, parameters(land, focus), feedback)
+    assert feedback.isCanceled() and "OUTPUT" not in results
+
+
+def test_without_scipy_the_tool_says_what_to_install(provider, monkeypatch):
+    from qgis.core import QgsApplication
+
+    imported = builtins.__import__
+
+    def without(name, *arguments, **keywords):
+        if name.startswith("scipy"):
+            raise ImportError(name)
+        return imported(name, *arguments, **keywords)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    registry = QgsApplication.processingRegistry()
+    ok, message = registry.algorithmById(TOOL).canExecute()
+    assert not ok and "scipy" in message and "pip install" in message
+    assert registry.algorithmById("isthmus:partition").canExecute()[0]
+
+
+MODEL = Path(__file__).resolve().parents[2] / "resources" / "models" / "partition_and_focus_map.model3"
+
+
+def test_the_example_model(provider, land, focus):
+    """Partition, then focus map: the cuts are the relevant edges."""
+    model = QgsProcessingModelAlgorithm()
+    assert model.fromFile(str(MODEL))
+    assert model.validate()[0], model.validate()[1]
+    context = QgsProcessingContext()
+    context.setProject(QgsProject.instance())
+    sinks = {"partition:Parts": "memory:", "focusmap:Focus map": "memory:",
+             "focusmap:Relevant edges": "memory:"}
+    results, ok = model.run(
+        {"map": land, "focus": focus, "tau": 2.0, "scale": 1.3, **sinks},
+        context, QgsProcessingFeedback(),
+    )  # fmt: skip
+    assert ok
+    edges, moved = (
+        QgsProcessingUtils.mapLayerFromString(results[name], context)
+        for name in ("focusmap:Relevant edges", "focusmap:Focus map")
+    )
+    assert moved.featureCount() == 3
+    assert {edge["kind"] for edge in edges.getFeatures()} == {"given", "join"}

@@ -1,0 +1,248 @@
+"""The whole road: what must hold for every focus map."""
+
+import numpy as np
+import pytest
+import shapely
+
+pytest.importorskip("scipy")
+
+from isthmus.core.errors import Cancelled, Unsolvable
+from isthmus.core.focus.carrying import Carrier
+from isthmus.core.focus.enlarge import enlarge
+from isthmus.core.focus.graph import build_graph
+
+from ..shapes import box, circle, mosaic, tour
+
+
+def rings_of(*rings):
+    """Rows, starts and polygons of closed rings, each a polygon of its own."""
+    rings = [np.array(ring, dtype=float) for ring in rings]
+    rings = [np.concatenate((ring, ring[:1])) for ring in rings]
+    starts = np.cumsum([0] + [len(ring) for ring in rings])
+    return np.concatenate(rings), starts, [[k] for k in range(len(rings))]
+
+
+def check(rows, starts, polygons, focus, scale, result, frame=True):
+    """Everything that is promised of a map with the scale reached."""
+    inside = shapely.covers(focus, shapely.points(rows))
+    assert result.crossings == 0
+    if inside.any() and not result.problem:
+        assert result.scale == scale
+    if inside.any() and len(shapely.get_parts(focus)) == 1:
+        size = np.ptp(rows, axis=0).max()
+        expected = (rows[inside] - rows[inside][0]) * result.scale + result.rows[inside][0]
+        assert np.abs(result.rows[inside] - expected).max() < 1e-9 * size
+    if frame:
+        margin = 1e-9 * np.ptp(rows, axis=0).max()
+        assert (result.rows.min(axis=0) >= rows.min(axis=0) - margin).all()
+        assert (result.rows.max(axis=0) <= rows.max(axis=0) + margin).all()
+    for lines in polygons:
+        parts = [slice(starts[k], starts[k + 1]) for k in lines]
+        before, after = (
+            shapely.Polygon(xy[parts[0]], [xy[part] for part in parts[1:]])
+            for xy in (rows, result.rows)
+        )
+        assert after.is_valid or not before.is_valid
+    # equal points stay equal
+    _, first, again = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    assert np.array_equal(result.rows, result.rows[first[again.ravel()]])
+
+
+@pytest.mark.parametrize("rule", ["MinSize", "Greedy", "Proximity", "None"])
+@pytest.mark.parametrize("scale", [0.5, 1.7])
+def test_random_polygons(rule, scale):
+    for seed in range(3):
+        rows, starts, polygons = rings_of(tour(seed, 60).coords)
+        focus = shapely.box(2e5, 2e5, 5.5e5, 5e5)
+        result = enlarge(rows, starts, polygons, focus, scale, rule=rule)
+        check(rows, starts, polygons, focus, scale, result)
+
+
+def test_scale_one_is_the_identity():
+    rows, starts, polygons = rings_of(tour(1, 50).coords)
+    result = enlarge(rows, starts, polygons, shapely.box(0, 0, 5e5, 5e5), 1.0)
+    assert np.array_equal(result.rows, rows)
+    assert (result.scale, result.crossings, result.problem) == (1.0, 0, "")
+
+
+def test_the_change_vanishes_as_the_scale_tends_to_one():
+    rows, starts, polygons = rings_of(tour(1, 50).coords)
+    result = enlarge(rows, starts, polygons, shapely.box(0, 0, 5e5, 5e5), 1.0 + 1e-12)
+    assert np.abs(result.rows - rows).max() < 1e-9 * 1e6
+
+
+def test_polygons_with_holes():
+    shape = mosaic(3, 60)
+    rings = [np.concatenate((ring, ring[:1])) for ring in shape.rings]
+    rows, starts = np.concatenate(rings), np.cumsum([0] + [len(ring) for ring in rings])
+    polygons = [list(range(len(rings)))]
+    focus = shapely.box(3e5, 3e5, 6e5, 6e5)
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    check(rows, starts, polygons, focus, 1.5, result)
+
+
+def grid(n=4):
+    """n x n squares that share borders and corners."""
+    return rings_of(*(box(x, y, x + 1, y + 1) for x in range(n) for y in range(n)))
+
+
+@pytest.mark.parametrize("scale", [0.4, 2.0])
+def test_shared_borders_stay_shared(scale):
+    rows, starts, polygons = grid()
+    focus = shapely.box(0.9, 0.9, 2.1, 2.1)
+    result = enlarge(rows, starts, polygons, focus, scale)
+    check(rows, starts, polygons, focus, scale, result)
+    assert not result.problem
+
+
+def test_islands_move_with_their_mainland():
+    """Straits neither close nor open to seas."""
+    mainland = circle(60, 10.0)
+    islands = [circle(10, 0.3, (11.0 * np.cos(a), 11.0 * np.sin(a))) for a in np.arange(12) * 0.5]
+    rows, starts, polygons = rings_of(mainland, *islands)
+    focus = shapely.box(5.0, -5.0, 14.0, 5.0)
+    result = enlarge(rows, starts, polygons, focus, 1.4)
+    check(rows, starts, polygons, focus, 1.4, result)
+    assert not result.problem and (result.kind == "join").any()
+    land = shapely.Polygon(result.rows[starts[0]:starts[1]])
+    for k in range(1, 13):
+        island = shapely.Polygon(result.rows[starts[k]:starts[k + 1]])
+        assert 0.1 < land.distance(island) < 2.0
+
+
+def test_lines_that_share_vertices_stay_joined():
+    rng = np.random.default_rng(2)
+    streets = [np.column_stack((np.arange(9.0), np.full(9, y))) for y in range(9)]
+    streets += [street[:, ::-1] for street in streets]
+    noise = rng.normal(0.0, 0.15, (9, 9, 2))
+    streets = [street + noise[street[:, 0].astype(int), street[:, 1].astype(int)] for street in streets]
+    starts = np.arange(19) * 9
+    rows = np.concatenate(streets)
+    focus = shapely.Point(4, 4).buffer(1.6)
+    result = enlarge(rows, starts, [], focus, 2.0)
+    check(rows, starts, [], focus, 2.0, result)
+    assert not result.problem and (result.kind == "selected").any() == (len(result.kind) > 0)
+
+
+def test_given_edges_are_used():
+    rows, starts, polygons = rings_of(circle(40, 5.0))
+    result = enlarge(rows, starts, polygons, shapely.box(2, -2, 6, 2), 1.5,
+                     edges=np.array([(5, 20), (20, 5), (30, 12)]))
+    assert set(result.kind) == {"given"} and len(result.edges) == 2
+
+
+def test_a_focus_between_the_vertices_pushes_the_rest_away():
+    rows, starts, polygons = rings_of(circle(80, 10.0))
+    focus = shapely.Point(3.0, 0.0).buffer(2.0)
+    edges, shares = np.array([(0, 40), (20, 60)]), []
+    result = enlarge(
+        rows, starts, polygons, focus, 2.0, edges=edges, progress=shares.append
+    )
+    assert shares == sorted(shares)
+    given = {frozenset(map(tuple, rows[pair])) for pair in edges}
+    used = result.points[result.edges[result.kind == "given"]]
+    assert {frozenset(map(tuple, pair)) for pair in used} == given
+    result = enlarge(rows, starts, polygons, focus, 2.0)
+    check(rows, starts, polygons, focus, 2.0, result)
+    outline = shapely.covers(focus.buffer(1e-9), shapely.points(result.points))
+    moved = shapely.Polygon(result.rows)
+    assert not result.problem and outline.sum() >= 60
+    assert shapely.covers(moved, shapely.points(result.moved[outline])).all()
+
+
+@pytest.mark.parametrize("focus, words", [
+    (shapely.box(50, 50, 60, 60), "touches nothing"),
+    (shapely.Polygon(), "empty"),
+    (shapely.LineString([(0, 0), (1, 1)]), "no area"),
+    (shapely.box(-50, -50, 60, 60), "covers all"),
+    (shapely.box(-50, -9.5, 60, 9.5), "larger than the frame"),
+])  # fmt: skip
+def test_a_focus_that_cannot_be_enlarged(focus, words):
+    rows, starts, polygons = rings_of(circle(40, 10.0))
+    with pytest.raises(Unsolvable, match=words):
+        enlarge(rows, starts, polygons, focus, 2.0)
+
+
+def test_without_a_frame_the_map_grows():
+    rows, starts, polygons = rings_of(circle(60, 10.0))
+    focus = shapely.box(-50, -4, 60, 4)
+    result = enlarge(rows, starts, polygons, focus, 2.0, frame=False)
+    check(rows, starts, polygons, focus, 2.0, result, frame=False)
+    assert not result.problem and (np.ptp(result.rows, axis=0) > np.ptp(rows, axis=0)).any()
+    whole = enlarge(rows, starts, polygons, shapely.box(-50, -50, 60, 60), 2.0, frame=False)
+    assert np.ptp(whole.rows, axis=0) == pytest.approx(2.0 * np.ptp(rows, axis=0), rel=1e-12)
+
+
+def test_two_regions():
+    rows, starts, polygons = rings_of(circle(90, 10.0))
+    parts = [shapely.box(6, -3, 12, 3), shapely.box(-12, -3, -6, 3)]
+    focus = shapely.MultiPolygon(parts)
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    check(rows, starts, polygons, focus, 1.5, result)
+    for part in parts:
+        inside = shapely.covers(part, shapely.points(rows))
+        grown = np.ptp(result.rows[inside], axis=0) / np.ptp(rows[inside], axis=0)
+        assert grown == pytest.approx(1.5, rel=1e-9)
+
+
+def test_too_large_a_scale_gives_a_reason_and_the_last_good_map():
+    """Two regions that fit each, but not both."""
+    corners = [(-10, -5), (-1, -5), (0, -20), (1, -5), (10, -5), (10, 5), (1, 5), (0, 20), (-1, 5),
+               (-10, 5)]
+    ring = shapely.segmentize(shapely.Polygon(corners), 1.0)
+    rows, starts, polygons = rings_of(shapely.get_coordinates(ring)[:-1])
+    parts = [shapely.box(1, -6, 12, 6), shapely.box(-12, -6, -1, 6)]
+    result = enlarge(rows, starts, polygons, shapely.MultiPolygon(parts), 1.2)
+    assert result.problem and 1.0 <= result.scale < 1.2 and result.crossings == 0
+    assert shapely.Polygon(result.rows).is_valid
+
+
+def test_detail_is_carried():
+    """Solved on a simplified outline, and all promises hold."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 6001)[:-1]
+    radius = 10.0 + 1.0 * np.sin(5 * angle) + 0.03 * np.sin(700 * angle)
+    coast = np.column_stack((np.cos(angle), np.sin(angle))) * radius[:, None]
+    rows, starts, polygons = rings_of(coast)
+    focus = shapely.box(4, -5, 14, 5)
+    result = enlarge(rows, starts, polygons, focus, 1.6, most=300)
+    check(rows, starts, polygons, focus, 1.6, result)
+    assert not result.problem and result.distortion.flipped < 0.05
+
+
+def test_thousand_islands():
+    rng = np.random.default_rng(9)
+    centres = np.argwhere(np.ones((32, 32))) + rng.uniform(-0.2, 0.2, (1024, 2))
+    rows, starts, polygons = rings_of(*(circle(5, 0.2, centre) for centre in centres))
+    focus = shapely.box(10, 10, 16, 16)
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    check(rows, starts, polygons, focus, 1.5, result)
+    assert not result.problem
+
+
+def test_cancel():
+    rows, starts, polygons = rings_of(tour(1, 60).coords)
+    with pytest.raises(Cancelled):
+        enlarge(rows, starts, polygons, shapely.box(2e5, 2e5, 6e5, 6e5), 2.0, cancelled=lambda: True)
+
+
+def test_coordinates_that_are_not_finite():
+    rows, starts, polygons = rings_of(circle(10))
+    rows[3] = np.nan
+    with pytest.raises(Unsolvable, match="finite"):
+        enlarge(rows, starts, polygons, shapely.box(0, 0, 2, 2), 2.0)
+
+
+def test_carrier():
+    rows, starts, polygons = rings_of(circle(60, 10.0))
+    focus = shapely.box(4, -3, 12, 3)
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    edges = build_graph(rows, starts).edges
+    carrier = Carrier(result.points, result.moved, edges, focus, result.scale)
+    assert np.allclose(carrier(rows), result.rows, atol=1e-9)  # what was joined stays joined
+    halves = (rows[:-1] + rows[1:]) / 2.0
+    assert np.allclose(carrier(halves), (result.rows[:-1] + result.rows[1:]) / 2.0, atol=1e-9)
+    within = np.array([(5.0, -2.0), (7.0, 2.0), (9.0, 0.5)])
+    gaps = carrier(within)[1:] - carrier(within)[:-1]
+    assert np.allclose(gaps, 1.5 * np.diff(within, axis=0), atol=1e-9)
+    far = np.array([(100.0, 100.0), (-50.0, 0.0)])
+    assert np.allclose(carrier(far), far, atol=1e-6)
