@@ -425,9 +425,11 @@ def _carve(prepared, tree):
     polygon, edges, measure = prepared.polygon, prepared.edges, prepared.measure
     walk = carve(polygon, prepared.component, edges, tree, prepared.wanted)
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    at = polygon.vertex[walk.corner]
-    steps = measure.length(prepared.position, at, np.roll(at, -1))
-    dual = build_tree(len(at), walk.i[free], walk.j[free])
+    steps = prepared.edge_length
+    if len(polygon.offsets) > 2:
+        at = polygon.vertex[walk.corner]
+        steps = measure.length(prepared.position, at, np.roll(at, -1))
+    dual = build_tree(len(steps), walk.i[free], walk.j[free])
     return Carved(tree, free, walk, network(dual, steps[-1], steps[:-1], prepared.length[free]))
 
 
@@ -468,10 +470,11 @@ def _witnesses(prepared, carved, selected, check):
     dilation = np.ones(len(length))
     cut = np.append(True, _mask(selected, len(length))[edge])
     below, above = witness_lengths(carved.net, cut, check)
-    others = ~cut[1:]
-    edge, below, above = edge[others], below[1:][others], above[1:][others]
-    role[edge] = np.where(below <= above, LEAF, ROOT)
-    dilation[edge] = np.minimum(below, above) / length[edge]
+    side = np.where(below <= above, LEAF, ROOT).astype(np.int8)
+    side[cut] = SELF
+    path = np.where(cut, carved.net.length, np.minimum(below, above))
+    role[edge] = side[1:]
+    dilation[edge] = path[1:] / carved.net.length[1:]
     return role, dilation
 
 
