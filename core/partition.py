@@ -362,6 +362,11 @@ def select(
     check(0.8)
     if prepared.has_holes:
         selected, carved = _without_redundant(prepared, carved, selected, tau, weight, check)
+        if weight is not None:
+            # which cuts turn out to be redundant is a matter of luck: never end up dearer
+            fewest = select(prepared, tau, check=check, with_dilation=False)
+            if weight[fewest.selected].sum() < weight[selected].sum():
+                selected, carved = fewest.selected, fewest.carved
     dilation = None
     if with_dilation:
         _, bound = _witnesses(prepared, carved, selected, check)

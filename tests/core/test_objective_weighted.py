@@ -169,13 +169,16 @@ def test_a_solution_to_begin_with_is_never_made_worse():
     assert bound <= weight[min_size(net, 2.0) == SELF].sum()
 
 
-def test_holes():
-    prepared = prepare(*shapes.TWO_HOLES)
+@pytest.mark.parametrize("seed", range(15))
+def test_holes(seed):
+    s = shapes.TWO_HOLES if seed == 0 else shapes.mosaic(seed, 60, 0.7)
+    prepared = prepare(*s)
     for tau in (2.0, 4.0, math.inf):
         solution = select(prepared, tau, prepared.length, 0.0)
+        fewest = select(prepared, tau)
         assert solution.dilation <= tau * (1 + 1e-11)
         assert solution.lower_bound <= solution.cost
-        assert solution.cost <= prepared.length[select(prepared, tau).selected].sum() * (1 + 1e-12)
+        assert solution.cost <= prepared.length[fewest.selected].sum() * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf])
