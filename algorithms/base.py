@@ -112,7 +112,8 @@ class Steps:
 
     def __iter__(self):
         features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
-        for feature, self.size in zip(features, self.sizes):
+        for feature, size in zip(features, self.sizes):
+            self.size = size
             if self.feedback.isCanceled():
                 return
             yield feature

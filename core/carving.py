@@ -183,7 +183,7 @@ def _turn(polygon, vertex, spokes, following, leaves):
     spokes = sort_ccw(polygon.xy[vertex], spokes)
     opening = [k for k, spoke in enumerate(spokes) if spoke[2] in ("out", "tree")]
     out = None
-    for x, y, what, payload in spokes[opening[0]:] + spokes[: opening[0] + 1]:
+    for *_, what, payload in spokes[opening[0]:] + spokes[: opening[0] + 1]:
         if what == "candidate":
             leaves[payload // 2, payload % 2] = out
         elif what == "in":

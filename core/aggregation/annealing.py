@@ -547,7 +547,6 @@ class _State:
             price_of_lack = soft * (hard / soft) ** min(1.0, share / 0.8)
             v, to = self.draw(m)
             self.priced += m
-            applied = self.applied
             if len(v):
                 delta = self.price(v, to, price_of_lack)
                 threshold = -temperature * np.log(self.rng.random(len(v)) + 1e-300)

@@ -76,8 +76,7 @@ def test_defaults(tools):
     assert parameters["CUTS"].createByDefault() and not parameters["DIAGONALS"].createByDefault()
 
 
-def test_loaded_results_are_styled(run, layer):
-    source = layer("Polygon?crs=EPSG:3857", [("POLYGON((0 0,9 0,9 9,0 9,0 0))", [])])
+def test_loaded_results_are_styled(provider):
     from isthmus.algorithms.base import style_on_load
 
     context = QgsProcessingContext()
