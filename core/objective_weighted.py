@@ -696,7 +696,9 @@ def min_weight(
     weight = np.asarray(weight, float)
     if not (np.isfinite(weight[1:]).all() and (weight[1:] >= 0).all()):
         raise ValueError("weights must be finite and not negative")
-    tree = _Tree(net.tree.parent, net.length, net.base, weight, tau)
+    # a power of two, so exact: squares of very large or small weights leave the range of doubles
+    scale = float(np.exp2(np.floor(np.log2(weight[1:].max(initial=0.0) or 1.0))))
+    tree = _Tree(net.tree.parent, net.length, net.base, weight / scale, tau)
     best = _Best(tree, max_gap, start, check or ignore)
     deadline = np.inf if time_limit is None else time.monotonic() + time_limit
 
@@ -709,7 +711,7 @@ def min_weight(
         _search(tree, best, max_points, timed_check)
     except _Stop:
         pass
-    return best.cut, best.lower
+    return best.cut, best.lower * scale
 
 
 class _Best:

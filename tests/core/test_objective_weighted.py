@@ -181,6 +181,15 @@ def test_holes(seed):
         assert solution.cost <= prepared.length[fewest.selected].sum() * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("factor", [1e150, 1e-170, 1e300])
+def test_extreme_weights(factor, settings):
+    prepared = prepare(*shapes.tour(5, 40))
+    plain = select(prepared, 2.0, prepared.length / 1e6, 0.0)
+    extreme = select(prepared, 2.0, prepared.length / 1e6 * factor, 0.0)
+    assert extreme.cost == pytest.approx(plain.cost * factor, rel=1e-9)
+    assert extreme.lower_bound == pytest.approx(extreme.cost, rel=1e-9)
+
+
 @pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf])
 def test_bad_weights(bad):
     prepared = prepare(*shapes.DUMBBELL)
