@@ -22,7 +22,7 @@ from qgis.core import (
 from . import areas as layer
 from . import features
 from .aggregation_tables import distances, thresholds
-from .base import IsthmusAlgorithm, Steps, install_hint
+from .base import IsthmusAlgorithm, Steps, install_hint, one_line
 from .features import INTEGER, LONG, REAL, TEXT
 
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -113,7 +113,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         return "Joins small land-cover areas to regions of a minimum size at least cost."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
         def add(parameter, help_text, advanced=False):

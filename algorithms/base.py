@@ -52,6 +52,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         return ""
 
 
+def one_line(text):
+    """Return a help text as QGIS wants it: its help panel takes each line for a paragraph."""
+    return " ".join(text.split())
+
+
 def dependency_problem():
     """Return what is missing and which command installs it, or '' if the tools can run."""
     try:

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
-    QgsProcessingParameterDistance,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
     QgsProcessingParameterFeatureSink,
@@ -115,9 +114,11 @@ class PartitionTool(IsthmusAlgorithm):
 
     def add_candidates(self):
         self.add(
-            QgsProcessingParameterDistance(
+            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
+            QgsProcessingParameterNumber(
                 self.MIN_LENGTH,
                 "Shortest diagonal that counts (layer units; metres for degrees)",
+                QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
             ),

@@ -28,7 +28,7 @@ from qgis.core import (
 )
 
 from . import features
-from .base import WITHOUT_VALIDITY_CHECK, IsthmusAlgorithm, dependency_problem, style_on_load
+from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, one_line, style_on_load
 from .features import REAL, TEXT
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
@@ -108,7 +108,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return "Enlarges a region of a map and keeps the shape of the rest."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def canExecute(self):
         problem = dependency_problem() or scipy_problem()

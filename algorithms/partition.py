@@ -1,6 +1,7 @@
 """The tool ``isthmus:partition``."""
 
 from ..core.errors import Unsolvable
+from .base import one_line
 from .cutting import CuttingTool
 
 # Seconds that a polygon may take to close the gap of MinLength and MinWeight
@@ -58,7 +59,7 @@ class PartitionAlgorithm(CuttingTool):
         return "Cuts polygons at isthmuses, straits and necks into natural parts."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
         self.add_input()

@@ -3,6 +3,7 @@
 import math
 
 from ..core.errors import Unsolvable
+from .base import one_line
 from .cutting import CuttingTool
 from .features import REAL
 
@@ -50,7 +51,7 @@ class PartitionBudgetAlgorithm(CuttingTool):
         return "Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
         self.add_input()

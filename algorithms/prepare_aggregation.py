@@ -7,7 +7,6 @@ from qgis.core import (
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputNumber,
-    QgsProcessingParameterDistance,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
@@ -19,7 +18,7 @@ from qgis.core import (
 
 from . import areas as layer
 from . import features
-from .base import IsthmusAlgorithm, Steps, style_on_load
+from .base import IsthmusAlgorithm, Steps, one_line, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
 from .solving import Settings, measure_of, solve, weigh_by_length
@@ -84,7 +83,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         return "Splits land-cover areas at bottlenecks before they are aggregated."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
         def add(parameter, help_text):
@@ -117,9 +116,11 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
         add(
-            QgsProcessingParameterDistance(
+            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
+            QgsProcessingParameterNumber(
                 self.MIN_LENGTH,
                 "Shortest diagonal that counts (layer units; metres for degrees)",
+                QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
             ),

@@ -17,7 +17,7 @@ from qgis.core import (
 from ..core.errors import Cancelled, Unsolvable
 from ..core.progress import checker, stretch
 from . import report
-from .base import Steps
+from .base import Steps, one_line
 from .cutting import BY_SIZE, PartitionTool, add_feature, make_fields
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
@@ -79,7 +79,7 @@ class TradeoffAlgorithm(PartitionTool):
         return "Shows what each value of tau costs, and marks the values that pay off."
 
     def shortHelpString(self):
-        return HELP
+        return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
         number = QgsProcessingParameterNumber
