@@ -24,6 +24,7 @@ from . import features
 from .aggregation_tables import distances, thresholds
 from .base import IsthmusAlgorithm, Steps, install_hint, one_line
 from .features import INTEGER, LONG, REAL, TEXT
+from .sinks import add_feature, make_fields, open_sink
 
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
 METHODS = ("greedy", "annealing", "exact")
@@ -522,13 +523,13 @@ class _Run:
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
-        own = layer.fields((("region", LONG),))
+        own = make_fields((("region", LONG),))
         own.append(self.class_field)
-        for one in layer.fields((
+        for one in make_fields((
             ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT)
         )):
             own.append(one)
-        sink, destination = layer.open_sink(
+        sink, destination = open_sink(
             tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True
         )
         results = {tool.OUTPUT: destination}
@@ -544,7 +545,7 @@ class _Run:
                 r + 1, core.attributes()[self.class_index], float(size[r]),
                 len({sources[k] for k in group}), core.id(), faults.get(r, ""),
             ]
-            layer.add(sink, own, geometry, values)
+            add_feature(sink, own, geometry, values)
             written += 1
         small = [
             r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
@@ -597,12 +598,12 @@ class _Run:
         tool, areas = self.tool, self.areas
         new_class = type(self.class_field)(self.class_field)
         new_class.setName("new_class")
-        added = layer.fields(ASSIGNED_FIELDS[:1])
+        added = make_fields(ASSIGNED_FIELDS[:1])
         added.append(new_class)
-        for one in layer.fields(ASSIGNED_FIELDS[1:]):
+        for one in make_fields(ASSIGNED_FIELDS[1:]):
             added.append(one)
         own = QgsProcessingUtils.combineFields(self.source.fields(), added)
-        sink, destination = layer.open_sink(
+        sink, destination = open_sink(
             tool, self.parameters, tool.ASSIGNMENT, self.context, own, wkb_type, crs, False
         )
         if sink is None:
@@ -627,4 +628,4 @@ class _Run:
                 geometry = first.geometry()
             else:
                 geometry = self._shape(group, shapes.get(number), extra, multi)
-            layer.add(sink, own, geometry, values)
+            add_feature(sink, own, geometry, values)

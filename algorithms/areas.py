@@ -4,11 +4,7 @@ from typing import NamedTuple
 
 from qgis.core import (
     NULL,
-    QgsFeature,
-    QgsFeatureSink,
-    QgsFields,
     QgsGeometry,
-    QgsProcessingException,
     QgsUnitTypes,
     QgsWkbTypes,
 )
@@ -175,35 +171,3 @@ def text(value):
     if isinstance(value, float) and value.is_integer():
         value = int(value)
     return str(value).strip() or None
-
-
-def fields(definition):
-    """Return QgsFields of (name, kind) pairs."""
-    result = QgsFields()
-    for name, kind in definition:
-        result.append(features.field(name, kind))
-    return result
-
-
-def open_sink(tool, parameters, name, context, own, wkb_type, crs, needed):
-    """Open a sink; (None, None) for one that is not wanted."""
-    sink, destination = tool.parameterAsSink(
-        parameters, name, context, own, wkb_type, crs,
-        QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
-    )
-    if sink is None and (needed or parameters.get(name)):
-        raise QgsProcessingException(tool.invalidSinkError(parameters, name))
-    return sink, destination
-
-
-def add(sink, own, geometry, values):
-    """Write a feature, or say that it could not be written."""
-    feature = QgsFeature(own)
-    if geometry is not None:
-        feature.setGeometry(geometry)
-    feature.setAttributes(values)
-    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-        raise QgsProcessingException(
-            "A result could not be written (is the disk full, or a value too long for the "
-            f"format?): {sink.lastError()}"
-        )

@@ -5,9 +5,6 @@ import math
 from qgis.core import (
     NULL,
     QgsExpressionContext,
-    QgsFeature,
-    QgsFeatureSink,
-    QgsFields,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputNumber,
@@ -28,6 +25,7 @@ from . import features
 from .base import IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
+from .sinks import add_feature, make_fields, open_sink
 from .solving import (
     Settings,
     expression_problem,
@@ -360,18 +358,12 @@ class _Writer:
         }
 
     def _open(self, name, fields, wkb_type, crs):
-        sink, destination = self.tool.parameterAsSink(
-            self.parameters, name, self.context, fields, wkb_type, crs,
-            # several parts share the key of their feature
-            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
-        )
-        if sink is None:
-            if name == self.tool.OUTPUT or self.parameters.get(name):
-                raise QgsProcessingException(
-                    self.tool.invalidSinkError(self.parameters, name)
-                )
-            return None
-        self.destinations[name] = destination
+        sink, destination = open_sink(
+            self.tool, self.parameters, name, self.context, fields, wkb_type, crs,
+            name == self.tool.OUTPUT,
+        )  # fmt: skip
+        if sink is not None:
+            self.destinations[name] = destination
         return sink
 
     def write(self, feature, solved):
@@ -449,27 +441,6 @@ class _Writer:
         style_on_load(self.context, self.destinations.get(self.tool.OUTPUT), "parts.qml")
         style_on_load(self.context, self.destinations.get(self.tool.CUTS), "cuts.qml")
         return {**self.destinations, **self.numbers}
-
-
-def add_feature(sink, fields, geometry, values):
-    """Write a feature; a failure is an error, so that nothing is lost in silence."""
-    feature = QgsFeature(fields)
-    if geometry is not None:
-        feature.setGeometry(geometry)
-    feature.setAttributes(values)
-    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-        raise QgsProcessingException(
-            "A result could not be written (is the disk full, or a value too long for the "
-            f"format?): {sink.lastError()}"
-        )
-
-
-def make_fields(definition):
-    """Return fields of (name, kind) pairs."""
-    fields = QgsFields()
-    for name, kind in definition:
-        fields.append(features.field(name, kind))
-    return fields
 
 
 def _or_null(value):

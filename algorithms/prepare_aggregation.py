@@ -21,6 +21,7 @@ from . import features
 from .base import IsthmusAlgorithm, Steps, one_line, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
+from .sinks import add_feature, make_fields, open_sink
 from .solving import Settings, measure_of, solve, weigh_by_length
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -188,12 +189,12 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         crs, steps = source.sourceCrs(), Steps(source, feedback)
         multi = QgsWkbTypes.isMultiType(steps.wkb_type)
         extra = features.dimensions(steps.wkb_type)
-        own = QgsProcessingUtils.combineFields(source.fields(), layer.fields(PIECE_FIELDS))
-        sink, destination = layer.open_sink(
+        own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
+        sink, destination = open_sink(
             self, parameters, self.OUTPUT, context, own, steps.wkb_type, crs, True
         )
-        pair_fields = layer.fields(PAIR_FIELDS)
-        table, table_destination = layer.open_sink(
+        pair_fields = make_fields(PAIR_FIELDS)
+        table, table_destination = open_sink(
             self, parameters, self.ADJACENCY, context, pair_fields,
             QgsWkbTypes.Type.NoGeometry, QgsCoordinateReferenceSystem(), False,
         )
@@ -253,18 +254,18 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             rings = [np.arange(lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
             geometry = features.polygon_geometry(coords, rings, extra, multi)
             values = [feature.id(), k + 1, float(found.size[k]), status]
-            layer.add(sink, own, geometry, feature.attributes() + values)
+            add_feature(sink, own, geometry, feature.attributes() + values)
         for number, status in empty:
             feature = kept[number]
             values = [feature.id(), layer.NULL, 0.0, status]
-            layer.add(sink, own, feature.geometry(), feature.attributes() + values)
+            add_feature(sink, own, feature.geometry(), feature.attributes() + values)
 
         area = np.array([number for number, *_ in pieces], dtype=np.int64)
         if table is not None:
             pairs, length = layer.neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-                layer.add(table, pair_fields, None, [a + 1, b + 1, shared, cut])
+                add_feature(table, pair_fields, None, [a + 1, b + 1, shared, cut])
 
         wrong = faults(found.coverage)
         overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)

@@ -18,9 +18,10 @@ from ..core.errors import Cancelled, Unsolvable
 from ..core.progress import checker, stretch
 from . import report
 from .base import Steps, one_line
-from .cutting import BY_SIZE, PartitionTool, add_feature, make_fields
+from .cutting import BY_SIZE, PartitionTool
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
+from .sinks import add_feature, make_fields
 from .solving import prepare_tasks
 
 FIELDS = (
