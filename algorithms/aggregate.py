@@ -6,9 +6,7 @@ from qgis.core import (
     NULL,
     QgsProcessing,
     QgsProcessingException,
-    QgsProcessingOutputNumber,
     QgsProcessingParameterBoolean,
-    QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
@@ -62,7 +60,6 @@ programming, IJGIS 24(12), 2010.</p>
 class AggregateAlgorithm(IsthmusAlgorithm):
     """Aggregate the areas of a coverage into large regions."""
 
-    INPUT = "INPUT"
     CLASS = "CLASS"
     THRESHOLD = "THRESHOLD"
     THRESHOLDS = "THRESHOLDS"
@@ -117,14 +114,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
-        def add(parameter, help_text, advanced=False):
-            parameter.setHelp(help_text)
-            if advanced:
-                parameter.setFlags(
-                    parameter.flags() | QgsProcessingParameterDefinition.Flag.FlagAdvanced
-                )
-            self.addParameter(parameter)
-
+        add = self.add
         number = QgsProcessingParameterNumber.Type
         table = [QgsProcessing.SourceType.TypeVector]
 
@@ -247,18 +237,19 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             ),
             "The areas with all fields, region, new_class, changed (1 or 0) and status.",
         )
-        for name, label in (
-            (self.TOTAL_COST, "Total cost"),
-            (self.CHANGE_COST, "Cost of class change"),
-            (self.BOUNDARY_COST, "Cost of boundary length"),
-            (self.CENTRE_COST, "Cost of centre distance"),
-            (self.REGION_COUNT, "Number of regions"),
-            (self.CHANGED_SHARE, "Share of the area whose class changed"),
-            (self.TOO_SMALL_COUNT, "Number of regions that are too small"),
-            (self.SKIPPED_COUNT, "Number of areas without geometry or class"),
-            (self.LOWER_BOUND, "Lower bound of the total cost (exact)"),
-        ):
-            self.addOutput(QgsProcessingOutputNumber(name, label))
+        self.add_numbers(
+            (
+                (self.TOTAL_COST, "Total cost"),
+                (self.CHANGE_COST, "Cost of class change"),
+                (self.BOUNDARY_COST, "Cost of boundary length"),
+                (self.CENTRE_COST, "Cost of centre distance"),
+                (self.REGION_COUNT, "Number of regions"),
+                (self.CHANGED_SHARE, "Share of the area whose class changed"),
+                (self.TOO_SMALL_COUNT, "Number of regions that are too small"),
+                (self.SKIPPED_COUNT, "Number of areas without geometry or class"),
+                (self.LOWER_BOUND, "Lower bound of the total cost (exact)"),
+            )
+        )
 
     def parameter_problem(self, parameters, context):
         method = self.parameterAsString(parameters, self.METHOD, context)
@@ -280,9 +271,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         return ""
 
     def processAlgorithm(self, parameters, context, feedback):
-        source = self.parameterAsSource(parameters, self.INPUT, context)
-        if source is None:
-            raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
+        source = self.source(parameters, context)
         import numpy as np
 
         from ..core.aggregation.instance import costs

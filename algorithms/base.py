@@ -7,8 +7,11 @@ from qgis.core import (
     QgsFeatureRequest,
     QgsProcessingAlgorithm,
     QgsProcessingContext,
+    QgsProcessingException,
     QgsProcessingFeatureSource,
     QgsProcessingLayerPostProcessorInterface,
+    QgsProcessingOutputNumber,
+    QgsProcessingParameterDefinition,
 )
 from qgis.PyQt.QtGui import QIcon
 
@@ -23,6 +26,8 @@ WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidit
 
 class IsthmusAlgorithm(QgsProcessingAlgorithm):
     """Base of the tools: a tool adds its texts, its parameters and one call into the core."""
+
+    INPUT = "INPUT"
 
     def createInstance(self):
         return type(self)()
@@ -50,6 +55,26 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def parameter_problem(self, parameters, context):
         """Return a sentence about a parameter that cannot be used, or ''."""
         return ""
+
+    def add(self, parameter, help_text, advanced=False):
+        """Add a parameter with its help."""
+        parameter.setHelp(help_text)
+        if advanced:
+            flag = QgsProcessingParameterDefinition.Flag.FlagAdvanced
+            parameter.setFlags(parameter.flags() | flag)
+        self.addParameter(parameter)
+
+    def add_numbers(self, labels):
+        """Add the numbers that the tool returns, from (name, label) pairs."""
+        for name, label in labels:
+            self.addOutput(QgsProcessingOutputNumber(name, label))
+
+    def source(self, parameters, context):
+        """Return the layer INPUT."""
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        if source is None:
+            raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
+        return source
 
 
 def one_line(text):

@@ -6,9 +6,6 @@ from qgis.core import (
     NULL,
     QgsExpressionContext,
     QgsProcessing,
-    QgsProcessingException,
-    QgsProcessingOutputNumber,
-    QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
     QgsProcessingParameterFeatureSink,
@@ -51,21 +48,12 @@ DIAGONAL_FIELDS = (
 class PartitionTool(IsthmusAlgorithm):
     """Base of the tools that solve the partition problem for each feature."""
 
-    INPUT = "INPUT"
     OBJECTIVE = "OBJECTIVE"
     WEIGHT = "WEIGHT"
     MIN_LENGTH = "MIN_LENGTH"
     MIN_HOLE = "MIN_HOLE"
     CANDIDATES = "CANDIDATES"
     MAX_GAP = "MAX_GAP"
-
-    def add(self, parameter, help_text, advanced=False):
-        """Add a parameter with its help."""
-        parameter.setHelp(help_text)
-        if advanced:
-            flag = QgsProcessingParameterDefinition.Flag.FlagAdvanced
-            parameter.setFlags(parameter.flags() | flag)
-        self.addParameter(parameter)
 
     def add_input(self):
         self.add(
@@ -188,13 +176,6 @@ class PartitionTool(IsthmusAlgorithm):
             return f"{name} must be a number of at least {least:g}, and is {value:g}."
         return ""
 
-    def source(self, parameters, context):
-        """Return the polygons."""
-        source = self.parameterAsSource(parameters, self.INPUT, context)
-        if source is None:
-            raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
-        return source
-
     def settings(self, parameters, context, source, feedback, all_dilations=False):
         """Return how to solve."""
         from ..core.triangulation import engine_name
@@ -290,16 +271,17 @@ class CuttingTool(PartitionTool):
             "Every candidate, with its detour before any cut, its dilation in the solution, and "
             "its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.",
         )
-        for name, label in (
-            (self.PART_COUNT, "Number of parts"),
-            (self.CUT_COUNT, "Number of cuts"),
-            (self.CUT_LENGTH, "Total length of the cuts"),
-            (self.MAX_DILATION, "Largest dilation of a candidate"),
-            (self.SKIPPED_COUNT, "Number of features not solved"),
-            (self.COST, "Cost of all solutions"),
-            (self.LOWER_BOUND, "Proven lower bound of the cost"),
-        ):
-            self.addOutput(QgsProcessingOutputNumber(name, label))
+        self.add_numbers(
+            (
+                (self.PART_COUNT, "Number of parts"),
+                (self.CUT_COUNT, "Number of cuts"),
+                (self.CUT_LENGTH, "Total length of the cuts"),
+                (self.MAX_DILATION, "Largest dilation of a candidate"),
+                (self.SKIPPED_COUNT, "Number of features not solved"),
+                (self.COST, "Cost of all solutions"),
+                (self.LOWER_BOUND, "Proven lower bound of the cost"),
+            )
+        )
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingOutputMultipleLayers,
-    QgsProcessingOutputNumber,
     QgsProcessingOutputString,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
@@ -65,7 +64,6 @@ section 5.1.</p>
 class FocusMapAlgorithm(IsthmusAlgorithm):
     """Enlarge a region of a map in its context."""
 
-    INPUT = "INPUT"
     FOCUS = "FOCUS"
     SCALE = "SCALE"
     EDGES = "EDGES"
@@ -115,10 +113,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return not problem, problem
 
     def initAlgorithm(self, configuration=None):
-        def add(parameter, help_text):
-            parameter.setHelp(help_text)
-            self.addParameter(parameter)
-
+        add = self.add
         add(
             QgsProcessingParameterFeatureSource(
                 self.INPUT,
@@ -219,16 +214,17 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             "between islands), length before, and stretch (length after over length before).",
         )
         self.addOutput(QgsProcessingOutputMultipleLayers(self.CARRIED_LAYERS, "Carried layers"))
-        for name, label in (
-            (self.SCALE_REACHED, "Scale reached in the focus"),
-            (self.FLIPPED_AREA, "Area upside down (%)"),
-            (self.MEDIAN_DISTORTION, "Median angular distortion (degrees)"),
-            (self.HIGH_DISTORTION, "Angular distortion, 95 % (degrees)"),
-            (self.CROSSINGS, "Number of new crossings"),
-            (self.EDGE_COUNT, "Number of relevant edges"),
-            (self.SECONDS, "Time (seconds)"),
-        ):
-            self.addOutput(QgsProcessingOutputNumber(name, label))
+        self.add_numbers(
+            (
+                (self.SCALE_REACHED, "Scale reached in the focus"),
+                (self.FLIPPED_AREA, "Area upside down (%)"),
+                (self.MEDIAN_DISTORTION, "Median angular distortion (degrees)"),
+                (self.HIGH_DISTORTION, "Angular distortion, 95 % (degrees)"),
+                (self.CROSSINGS, "Number of new crossings"),
+                (self.EDGE_COUNT, "Number of relevant edges"),
+                (self.SECONDS, "Time (seconds)"),
+            )
+        )
         self.addOutput(QgsProcessingOutputString(self.PROBLEM, "What is wrong (empty if nothing is)"))
 
     def parameter_problem(self, parameters, context):

@@ -6,7 +6,6 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsProcessing,
     QgsProcessingException,
-    QgsProcessingOutputNumber,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
@@ -48,7 +47,6 @@ GIScience 2016, section 5.2.</p>
 class PrepareAggregationAlgorithm(IsthmusAlgorithm):
     """Split the areas of a coverage at bottlenecks."""
 
-    INPUT = "INPUT"
     CLASS = "CLASS"
     TAU = "TAU"
     OBJECTIVE = "OBJECTIVE"
@@ -87,10 +85,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         return one_line(HELP)
 
     def initAlgorithm(self, configuration=None):
-        def add(parameter, help_text):
-            parameter.setHelp(help_text)
-            self.addParameter(parameter)
-
+        add = self.add
         number = QgsProcessingParameterNumber.Type
         add(
             QgsProcessingParameterFeatureSource(
@@ -156,14 +151,15 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             "A table of neighbouring pieces a and b, the length of their shared boundary in metres, "
             "and virtual: 1 for a cut between two pieces of one area.",
         )
-        for name, label in (
-            (self.AREA_COUNT, "Number of areas"),
-            (self.PIECE_COUNT, "Number of pieces"),
-            (self.SKIPPED_COUNT, "Number of areas not cut for a reason"),
-            (self.OVERLAP_COUNT, "Number of overlapping pairs of areas"),
-            (self.GAP_COUNT, "Number of gaps"),
-        ):
-            self.addOutput(QgsProcessingOutputNumber(name, label))
+        self.add_numbers(
+            (
+                (self.AREA_COUNT, "Number of areas"),
+                (self.PIECE_COUNT, "Number of pieces"),
+                (self.SKIPPED_COUNT, "Number of areas not cut for a reason"),
+                (self.OVERLAP_COUNT, "Number of overlapping pairs of areas"),
+                (self.GAP_COUNT, "Number of gaps"),
+            )
+        )
 
     def parameter_problem(self, parameters, context):
         tau = self.parameterAsDouble(parameters, self.TAU, context)
@@ -176,9 +172,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         return ""
 
     def processAlgorithm(self, parameters, context, feedback):
-        source = self.parameterAsSource(parameters, self.INPUT, context)
-        if source is None:
-            raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
+        source = self.source(parameters, context)
         import numpy as np
 
         from ..core.aggregation.coverage import faults
