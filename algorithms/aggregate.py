@@ -1,9 +1,11 @@
 """The tool ``isthmus:aggregate``."""
 
 import math
+import re
 
 from qgis.core import (
     NULL,
+    QgsFields,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingParameterBoolean,
@@ -24,7 +26,9 @@ from .base import IsthmusAlgorithm, Steps, install_hint, one_line
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
+REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
+LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -319,6 +323,32 @@ def highs_problem():
     return ""
 
 
+def _pieces(names):
+    """The fields area_id and size of Prepare areas for aggregation, whatever their numbers; or -1.
+
+    The areas may have had fields of these names themselves: then those of the tool have a number
+    (area_id_2), and come last, one after the other.
+    """
+    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
+    for k in range(len(names) - 4, -1, -1):
+        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+            return k, k + 2
+    lower = [name.lower() for name in names]
+    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
+
+
+def _region_fields(class_field):
+    """Fields of the regions; where the class has one of their names, theirs gets a number."""
+    own = QgsFields()
+    own.append(class_field)
+    names = QgsProcessingUtils.combineFields(own, make_fields(REGION_FIELDS)).names()[1:]
+    own = make_fields(((names[0], LONG),))
+    own.append(class_field)
+    for field in make_fields([(name, kind) for name, (_, kind) in zip(names[1:], REGION_FIELDS[1:])]):
+        own.append(field)
+    return own
+
+
 class _Run:
     """One run of the tool."""
 
@@ -328,11 +358,15 @@ class _Run:
         self.class_index = self.field(tool.CLASS)
         self.class_field = source.fields()[self.class_index]
         self.id_index = self.field(tool.AREA_ID, needed=False)
-        names = source.fields()
-        if self.id_index < 0 and names.lookupField("piece") >= 0:
-            self.id_index = names.lookupField("area_id")
-            if self.id_index >= 0:
-                feedback.pushInfo("The field area_id tells which pieces belong to one area.")
+        self.size_index = -1
+        found, size = _pieces(source.fields().names())
+        if self.id_index < 0 and found >= 0:
+            self.id_index = found
+            feedback.pushInfo(
+                f"The field {source.fields()[found].name()} tells which pieces belong to one area."
+            )
+        if self.id_index == found:
+            self.size_index = size
 
     def number(self, name):
         return self.tool.parameterAsDouble(self.parameters, name, self.context)
@@ -368,11 +402,17 @@ class _Run:
         shaped = np.zeros(len(texts), dtype=bool)
         shaped[areas.owner] = True
         self.reason = {}
+        huge = set(areas.owner[~areas.measured].tolist())
         for k, one in enumerate(areas.features):
             if not shaped[k]:
                 self.reason[k] = "it has no geometry" if not one.hasGeometry() else "it is empty"
+            elif k in huge:
+                self.reason[k] = (
+                    f"it has coordinates that are not finite, or larger than {layer.LARGEST:g}"
+                )
             elif texts[k] is None:
                 self.reason[k] = "it has no class"
+        self._tell_invalid(set(layer.invalid(areas).tolist()) - set(self.reason))
         for k, reason in self.reason.items():
             feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
         classes = sorted({one for one in texts if one is not None})
@@ -396,6 +436,37 @@ class _Run:
             self.number(tool.WEIGHT_BOUNDARY), self.number(tool.WEIGHT_CENTRE),
             self.choice(tool.BOUNDARY) == "classes",
         )
+        self._refuse_endless_costs()
+
+    def _tell_invalid(self, numbers, most=10):
+        """Warn of areas that are not valid."""
+        if numbers:
+            ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
+            self.feedback.pushWarning(
+                f"Not valid (an outline crosses itself, for one): {layer.counted(len(ids), 'area')}, "
+                f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
+                "be wrong. Run Fix geometries on the layer first."
+            )
+
+    def _refuse_endless_costs(self):
+        """Complain of weights, distances or coordinates with which costs are no numbers any more."""
+        import numpy as np
+
+        problem = self.problem
+        size, place = problem.size.sum(), problem.place
+        with np.errstate(over="ignore"):
+            extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
+            most = {
+                "class change": size * problem.change * problem.distance.max(initial=0.0),
+                "boundary length": problem.boundary * problem.length.sum(),
+                "centre distance": size * problem.centre * extent,
+            }
+        for name, cost in most.items():
+            if not cost < LARGEST_COST:
+                raise QgsProcessingException(
+                    f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
+                    "smaller weight (or class distances), and see that no area is far away by mistake."
+                )
 
     def solve(self):
         """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
@@ -464,8 +535,9 @@ class _Run:
         else:
             said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
         self.feedback.pushInfo(
-            f"{said} (gap {100 * gap:.2f} %; {result.parts} independent parts, {result.rounds} "
-            "programmes solved)."
+            f"{said} (gap {100 * gap:.2f} %; "
+            f"{layer.counted(result.parts, 'independent part')}, "
+            f"{layer.counted(result.rounds, 'programme')} solved)."
         )
 
     def write(self, found):
@@ -512,12 +584,7 @@ class _Run:
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
-        own = make_fields((("region", LONG),))
-        own.append(self.class_field)
-        for one in make_fields((
-            ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT)
-        )):
-            own.append(one)
+        own = _region_fields(self.class_field)
         sink, destination = open_sink(
             tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True
         )
@@ -599,12 +666,11 @@ class _Run:
             return
         results[tool.ASSIGNMENT] = destination
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
-        size_index = self.source.fields().lookupField("size") if self.id_index >= 0 else -1
         for number, ((_, r), group) in enumerate(groups.items()):
             first = areas.features[group[0]]
             values = first.attributes()
-            if len(group) > 1 and size_index >= 0:
-                values[size_index] = float(areas.size[group].sum())
+            if len(group) > 1 and self.size_index >= 0:
+                values[self.size_index] = float(areas.size[group].sum())
             if r is None or group[0] in self.reason:
                 region = NULL if r is None else r + 1
                 values += [region, values[self.class_index], 0, self.reason.get(group[0], "")]

@@ -209,7 +209,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 for task in tasks
             ]
 
-        # pieces: (area, coords, offsets, status); empty areas have none
+        # pieces: (area, coords, offsets, status, whether it is the whole area); empty areas have none
         kept, pieces, empty, skipped, classless = [], [], [], 0, 0
         for feature in steps:
             number = len(kept)
@@ -222,6 +222,8 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             except Cancelled:
                 break
             problems = "; ".join(dict.fromkeys(one.problem for one in solved if one.problem))
+            # as it came, even with a ring that is not closed
+            whole = len(solved) == 1 and bool(problems) and not QgsWkbTypes.isCurvedType(geometry.wkbType())
             if not solved:
                 problems = "it has no geometry" if not feature.hasGeometry() else "it is empty"
                 empty.append((number, problems))
@@ -232,21 +234,25 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 for part in range(len(one.area)):
                     rings = one.rings(part)
                     offsets = np.cumsum([0] + [len(ring) for ring in rings])
-                    pieces.append(
-                        (number, one.coords[np.concatenate(rings)], offsets, one.problem)
-                    )
+                    coords = one.coords[np.concatenate(rings)]
+                    pieces.append((number, coords, offsets, one.problem, whole))
         if feedback.isCanceled():
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
         found = layer.arrange(
-            pieces, [(coords, offsets) for _, coords, offsets, _ in pieces],
+            pieces, [(coords, offsets) for _, coords, offsets, *_ in pieces],
             range(len(pieces)), crs,
         )
-        for k, (number, coords, offsets, status) in enumerate(pieces):
+        for k, (number, coords, offsets, status, whole) in enumerate(pieces):
             feature = kept[number]
             rings = [np.arange(lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
-            geometry = features.polygon_geometry(coords, rings, extra, multi)
+            if whole:
+                geometry = feature.geometry()
+                if multi:
+                    geometry.convertToMultiType()
+            else:
+                geometry = features.polygon_geometry(coords, rings, extra, multi)
             values = [feature.id(), k + 1, float(found.size[k]), status]
             add_feature(sink, own, geometry, feature.attributes() + values)
         for number, status in empty:
@@ -298,16 +304,18 @@ def _report(feedback, kept, overlaps, gaps, classless, most=10):
             f"{kept[a].id()} and {kept[b].id()}" for a, b in overlaps[:most].tolist()
         )
         feedback.pushWarning(
-            f"{len(overlaps)} pairs of areas overlap: {some}{' ...' * (len(overlaps) > most)}. "
-            "Nothing was changed about that; sizes count the common part twice."
+            f"{layer.counted(len(overlaps), 'pair')} of areas overlap: {some}"
+            f"{' ...' * (len(overlaps) > most)}. Nothing was changed about that; sizes count the common "
+            "part twice."
         )
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
         feedback.pushWarning(
-            f"{len(gaps)} gaps inside the map belong to no area, at {some}"
+            f"{layer.counted(len(gaps), 'gap')} inside the map without an area, at {some}"
             f"{' ...' * (len(gaps) > most)}. Areas on both sides of a gap are no neighbours there."
         )
     if classless:
         feedback.pushWarning(
-            f"{classless} areas have no class. Aggregation will leave them as they are."
+            f"Without a class: {layer.counted(classless, 'area')}. Aggregation will leave such areas as "
+            "they are."
         )

@@ -159,7 +159,7 @@ def test_prepare_loses_nothing_and_says_why(qgis_app):
     text = "\n".join(said)
     assert "Area 2 was not cut: it has no geometry" in text
     assert "Area 3 was not cut: invalid geometry" in text
-    assert "1 areas have no class" in text
+    assert "Without a class: 1 area." in text
 
 
 def test_prepare_counts_overlaps_and_gaps(qgis_app):
