@@ -267,7 +267,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             return "A table of class distances (DISTANCES) is needed, or another way to measure them."
         for name in (
             self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
-            self.SECONDS,
+            self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
         ):
             value = self.parameterAsDouble(parameters, name, context)
             if not 0.0 <= value < math.inf:

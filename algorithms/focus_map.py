@@ -1,13 +1,16 @@
 """The tool ``isthmus:focusmap``."""
 
+import math
 import time
 
 from qgis.core import (
     QgsCoordinateTransform,
+    QgsCsException,
     QgsFeature,
     QgsFeatureRequest,
     QgsFeatureSink,
     QgsFields,
+    QgsGeometry,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -236,6 +239,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 "to keep. Reproject it to a projected CRS first (tool Reproject layer), such as the "
                 "national grid or the UTM zone."
             )
+        for name, least in ((self.SCALE, 0.0), (self.TAU, 1.0)):
+            value = self.parameterAsDouble(parameters, name, context)
+            if not problem and not least <= value < math.inf:
+                problem = f"{name} must be a number of at least {least:g}, and is {value:g}."
         return problem
 
     def processAlgorithm(self, parameters, context, feedback):
@@ -259,9 +266,17 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 return {}
             held.append(feature)
             runs.append(features.Runs(feature.geometry()))
+        wrong = [k for k, one in enumerate(runs) if not np.isfinite(one.xy).all()]
+        for k in wrong:
+            runs[k] = features.Runs(QgsGeometry())  # as if it had none
+        if wrong:
+            ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
+            feedback.pushWarning(
+                f"Left where they are, since coordinates are not finite (NaN or infinity): feature {ids}."
+            )
         counts = [count for one in runs for count in one.counts]
         if not counts:
-            raise QgsProcessingException("The map has no features with a geometry.")
+            raise QgsProcessingException("The map has no features with a geometry that can be moved.")
         rows = np.concatenate([one.xy for one in runs])
         starts = np.append(0, np.cumsum(counts))
         polygons, first = [], 0
@@ -289,8 +304,9 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         except Cancelled:
             return {}
         except IsthmusError as problem:
-            message = str(problem)
-            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}.") from None
+            message = str(problem).rstrip(".")
+            end = "" if message.endswith("?") else "."
+            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
         for reason in result.skipped[:20]:
             feedback.pushWarning(f"No relevant edges for {reason}.")
         if len(result.skipped) > 20:
@@ -322,13 +338,22 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _focus(self, source, crs, context):
         """The region in focus, in the CRS of the map."""
+        import numpy as np
         import shapely
 
         found = []
         for geometry in _geometries(source, crs, context):
-            found.append(shapely.from_wkb(bytes(_straight(geometry).asWkb())))
+            data = bytes(_straight(geometry).asWkb())
+            # a ring of two points is no region
+            found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
+        found = [
+            one for one in found
+            if one is not None and np.isfinite(shapely.get_coordinates(one)).all()
+        ]
         if not found:
-            raise QgsProcessingException("The layer of the region to enlarge has no polygons.")
+            raise QgsProcessingException(
+                "The layer of the region to enlarge has no polygons whose coordinates are finite."
+            )
         return shapely.union_all(shapely.make_valid(found))
 
     def _given(self, parameters, context, crs, rows, feedback):
@@ -345,6 +370,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             one, start = features.Runs(geometry), 0
             for count in one.counts:
                 line = one.xy[start:start + count]
+                line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
                 ends.append(np.stack((line[:-1], line[1:]), axis=1))
                 start += count
         ends = np.concatenate(ends)
@@ -416,15 +442,17 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             if feedback.isCanceled():
                 break
             name = layer.name() or "layer"
-            while name in names:
+            while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
                 name += "_2"
-            names.append(name)
+            names.append(name.lower())
             whole = QgsVectorFileWriter.ActionOnExistingFile
             action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
-            written.append(self._carry_layer(layer, name, path, action, crs, carrier, context))
+            written.append(
+                self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
+            )
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
-    def _carry_layer(self, layer, name, path, action, crs, carrier, context):
+    def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
         options = QgsVectorFileWriter.SaveVectorOptions()
         options.driverName, options.layerName = "GPKG", name
         options.actionOnExistingFile = action
@@ -437,19 +465,35 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
             raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
         transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
+        count, lost = 0, []
         for feature in layer.getFeatures():
+            count += 1
             geometry = feature.geometry()
             if not geometry.isNull():
-                geometry.transform(transform)
-                one = features.Runs(geometry)
-                if one.counts:
-                    feature.setGeometry(one.moved(carrier(one.xy)))
+                try:
+                    geometry.transform(transform)
+                    one = features.Runs(geometry)
+                    if one.counts:
+                        feature.setGeometry(one.moved(carrier(one.xy)))
+                except QgsCsException:
+                    feature.clearGeometry()
+                    lost.append(feature.id())
             if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
                 raise QgsProcessingException(
                     f"A feature of {name} could not be written: {writer.errorMessage()}"
                 )
         del writer
+        if lost:
+            feedback.pushWarning(
+                f"{name}: features {', '.join(map(str, lost[:10]))}{' ...' * (len(lost) > 10)} have no "
+                "place in the CRS of the map, and are carried without a geometry."
+            )
         address = f"{path}|layername={name}"
+        # what a full disk swallows, the writer may tell nobody
+        if QgsVectorLayer(address, name, "ogr").featureCount() != count:
+            raise QgsProcessingException(
+                f"{name} could not be written to {path} as a whole. Is the disk full?"
+            )
         details = QgsProcessingContext.LayerDetails(name, context.project(), name)
         if context.project() is not None:
             carried = QgsVectorLayer(address, name, "ogr")
@@ -484,7 +528,13 @@ def _geometries(source, crs, context):
         if geometry.isNull() or geometry.isEmpty():
             continue
         if transform.isValid() and not transform.isShortCircuited():
-            geometry.transform(transform)
+            try:
+                geometry.transform(transform)
+            except QgsCsException:
+                raise QgsProcessingException(
+                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
+                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
+                ) from None
         yield geometry
 
 
