@@ -36,6 +36,8 @@ def is_tame(shapes):
     size = np.ptp(shapely.get_coordinates(known), axis=0).max()
     if not (1e-12 < size and largest < 1e6 * size and largest < 1e15):
         return False
+    if min(one.area / one.length for one in known) < 1e-7 * largest:  # as thin as what counts as equal
+        return False
     tree = shapely.STRtree(known)
     a, b = tree.query(known, predicate="intersects")
     twice = sum(known[i].intersection(known[j]).area for i, j in zip(a, b) if i < j)
@@ -210,7 +212,7 @@ def _tiles(area, pieces, states, whole):
     new = {v[:2] for p in pieces for v in vertices(p.geometry())} - flat
     if whole and new:
         wrong.append(f"area {area.id()} has new vertices {sorted(new)[:3]}")
-    if not all(p.geometry().isGeosValid() for p in pieces):
+    if whole and not all(p.geometry().isGeosValid() for p in pieces):  # a GeoJSON is rounded
         wrong.append(f"a piece of area {area.id()} is not valid")
     old = [(a[:2], b[:2]) for a, b in _edges(before)]
     made = [(a[:2], b[:2]) for p in pieces for a, b in _edges(p.geometry())]
