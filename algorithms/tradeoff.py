@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 from qgis.core import (
+    NULL,
     QgsCoordinateReferenceSystem,
     QgsProcessing,
     QgsProcessingException,
@@ -230,5 +231,6 @@ def _row(source, tasks, joint, check):
         cuts += len(selection.selected)
         length += float(result.length[selection.selected].sum())
     total = math.fsum(parts)
-    share = max(parts) / total if total > 0.0 else 1.0
+    # no number where areas are beyond what doubles hold
+    share = max(parts) / total if 0.0 < total < math.inf else NULL
     return [source, joint.dilation, cuts, length, joint.cost, share]

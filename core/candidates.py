@@ -63,7 +63,8 @@ def from_lines(polygon, lines):
     -----
     O((n + l) log n), but for one test of each line against the polygon.
     """
-    lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
+    with np.errstate(over="ignore"):  # a line far off a tiny polygon
+        lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
     verdict = np.full(len(lines), OFF_VERTICES)
     other = np.full(len(lines), -1)
     ends = _nearest_vertices(polygon.xy, lines)
@@ -156,7 +157,8 @@ def counted(polygon, component, equal_area, min_hole):
     if len(component) == 1 or min_hole <= 0.0:
         return set(component.tolist()), attachable
     area = np.abs(signed_areas(equal_area(polygon.xy)[polygon.vertex], polygon.offsets))
-    counts = area * polygon.unit * polygon.unit >= min_hole
+    with np.errstate(over="ignore"):
+        counts = area * polygon.unit * polygon.unit >= min_hole
     counts[0] = True
     # a corner inserted where a small hole touches an edge is a vertex of that hole alone
     own = counts[polygon.ring_of_corner] & ~polygon.inserted
