@@ -1,8 +1,11 @@
 """A case: a layer, a tool and its parameters, in a form that can be saved; how to draw and run one."""
 
+import contextlib
 import json
 import math
+import resource
 import shutil
+import signal
 import tempfile
 import warnings
 from pathlib import Path
@@ -52,11 +55,13 @@ class Case(NamedTuple):
     lines : list of hex, or None
         Candidate lines.
     source, sink : str
-        memory, gpkg, shp or geojson.
+        memory, gpkg, shp or geojson; a sink may also be nowhere.
     diagonals : bool
         Whether the layer DIAGONALS is asked for.
     cancel : int or None
         Cancel at this call of the feedback.
+    room : int or None
+        The largest size of a file in bytes, as if the disk were full.
     twin : bool
         Whether to run it again with rings turned round and features shuffled.
     """
@@ -72,6 +77,7 @@ class Case(NamedTuple):
     sink: str = "memory"
     diagonals: bool = True
     cancel: int = None
+    room: int = None
     twin: bool = False
 
     def save(self, path, **more):
@@ -211,6 +217,11 @@ def cases(draw, largest=80, sinks=("memory",) * 6 + ("gpkg", "shp", "geojson"), 
         case = case._replace(lines=_lines(case, draw(st.integers(0, 2**32 - 1))))
     if cancels and draw(st.integers(0, 15)) == 0:
         case = case._replace(cancel=draw(st.integers(1, 40 * max(1, count))), twin=False)
+        case = case._replace(sink=draw(st.sampled_from(["memory", "gpkg", "gpkg", "shp", "geojson"])))
+    elif cancels and case.sink != "memory" and draw(st.integers(0, 4)) == 0:
+        case = case._replace(room=draw(st.integers(0, 8)) ** 2 * 8192, twin=False)
+    elif cancels and rare == 98:
+        case = case._replace(sink="nowhere", twin=False)
     return case
 
 
@@ -457,6 +468,8 @@ def parameters_of(case, source, lines, folder):
     for name in names:
         ending = "csv" if table else case.sink
         p[name] = "memory:" if case.sink == "memory" else str(Path(folder) / f"{name}.{ending}")
+        if case.sink == "nowhere":
+            p[name] = "/proc/nowhere/out.gpkg"
     return p, names
 
 
@@ -485,9 +498,10 @@ def run(case, **changed):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            results = processing.run(
-                f"isthmus:{case.tool}", parameters, feedback=feedback, context=context
-            )
+            with small_files(case.room):
+                results = processing.run(
+                    f"isthmus:{case.tool}", parameters, feedback=feedback, context=context
+                )
         except QgsProcessingException as problem:
             error = "\n".join([*feedback.errors, str(problem)])
     layers = {}
@@ -500,6 +514,20 @@ def run(case, **changed):
             if issubclass(w.category, (RuntimeWarning, UserWarning))]
     feedback.context = context  # owns the layers
     return Outcome(case, source, results, layers, feedback, error, list(_raised), said, folder)
+
+
+@contextlib.contextmanager
+def small_files(room):
+    """Let no file grow beyond so many bytes; None: no limit."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    if room is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, old[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+        signal.signal(signal.SIGXFSZ, before)
 
 
 def clean(outcome):

@@ -49,6 +49,8 @@ def check(case, outcome, rng):
     counts[f"tool {case.tool}"] += 1
     counts[f"{case.source} to {case.sink}"] += 1
     check_errors(case, outcome, counts)
+    if case.sink != "memory":
+        check_files(case, outcome)
     if outcome.error is not None:
         return counts
     features = list(outcome.source.getFeatures())
@@ -79,16 +81,32 @@ def check_errors(case, outcome, counts):
     refused = refusal(case)
     if outcome.error is None:
         assert not refused, f"{refused} was accepted"
+        assert case.sink != "nowhere"
         return
     if refused:
         counts["refused parameters"] += 1
         assert refused in outcome.error, (refused, outcome.error)
+        return
+    if case.room is not None or case.sink == "nowhere":
+        words = ("could not be written", "could be written", "Could not create layer")
+        assert any(w in outcome.error for w in words), outcome.error
+        counts["runs on a full disk"] += case.room is not None
+        counts["runs to nowhere"] += case.sink == "nowhere"
         return
     # the format may not take these fields or values; else a run may not fail
     odd = (case.source, case.sink) != ("memory",) * 2 and case.fields[:1] != [("name", "String")]
     odd |= case.sink in ("shp", "geojson") and "non-finite" in outcome.error
     assert odd and len(outcome.error) > 30, outcome.error
     counts["refused by the format"] += 1
+
+
+def check_files(case, outcome):
+    """No lock is left, and nothing at all of a run that was cancelled or failed."""
+    left = [path.name for path in outcome.folder.iterdir() if not path.name.startswith("in.")]
+    locks = [name for name in left if name.endswith(("-journal", "-wal", "-shm"))]
+    assert not locks or outcome.error is None, locks
+    if outcome.error is not None or outcome.feedback.isCanceled():
+        assert not left, f"left behind: {sorted(left)}"
 
 
 def refusal(case):
@@ -813,10 +831,7 @@ def check_cancelled(case, outcome, features, counts):
             assert len(own) == parts[start].parts, "half a feature"
             start += len(own)
         return
-    left = sorted(p.name for p in outcome.folder.iterdir() if p.name.split(".")[0] != "in")
     counts["cancelled runs to files"] += 1
-    bad = [n for n in left if not n.startswith("report") and n.split(".")[0] in outcome.layers]
-    assert not bad, f"left behind by a cancelled run: {bad}"
 
 
 def check_twin(case, answer, features, counts, rng):
