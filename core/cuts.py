@@ -184,7 +184,7 @@ def true_dilations(graph, edges, length, bound, check):
             check()
         path = _distance(graph, *edges[k], bound[k] * length[k])
         dilation[k] = min(bound[k], path / length[k])
-    return dilation
+    return at_least_one(dilation)
 
 
 def largest_dilation(graph, edges, length, bound, check):

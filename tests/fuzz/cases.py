@@ -7,6 +7,7 @@ import resource
 import shutil
 import signal
 import tempfile
+import time
 import warnings
 from pathlib import Path
 from typing import NamedTuple
@@ -365,17 +366,24 @@ def as_file(layer, driver, folder):
 # ---------------------------------------------------------------- running
 
 
+PATIENCE = 60.0  # seconds for a case; most take less than one
+
+
 class Feedback(QgsProcessingFeedback):
-    """Keeps what a tool says, and cancels at a call."""
+    """Keeps what a tool says, and cancels at a call, or when it takes far too long."""
 
     def __init__(self, cancel=None):
         super().__init__(False)
         self.warnings, self.infos, self.errors = [], [], []
         self.left, self.calls = cancel, 0
+        self.end, self.late = time.monotonic() + PATIENCE, False
 
     def _count(self):
         self.calls += 1
         if self.left is not None and self.calls >= self.left:
+            self.cancel()
+        if time.monotonic() > self.end:
+            self.late = True
             self.cancel()
 
     def isCanceled(self):

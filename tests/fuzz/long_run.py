@@ -44,6 +44,7 @@ def one(case, counts=None):
     import cases
     import holds
 
+    faulthandler.dump_traceback_later(300.0, exit=True)  # a loop that asks nobody
     (BUILD / "running.json").parent.mkdir(parents=True, exist_ok=True)
     case.save(BUILD / "running.json")  # what was running, should the process die
     outcome = cases.run(case)
@@ -55,6 +56,7 @@ def one(case, counts=None):
         found = holds.check(case, outcome, np.random.default_rng(len(case.features)))
     finally:
         cases.clean(outcome)
+        faulthandler.cancel_dump_traceback_later()
     if counts is not None:
         counts.update(found)
 
@@ -194,6 +196,7 @@ def main():
     parser.add_argument("case", nargs="?", help="a saved case to run again")
     parser.add_argument("--polygons", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--batch", type=int, default=0, help="the batch to begin with")
     parser.add_argument("--smaller", type=float, default=60.0, help="seconds to make a failure smaller")
     arguments = parser.parse_args()
     application, provider = start()
@@ -205,7 +208,7 @@ def main():
         return replay(arguments.case)
 
     counts, failures, seen = holds.Counts(), [], {}
-    begin, number, told = time.monotonic(), 0, time.monotonic()
+    begin, number, told = time.monotonic(), arguments.batch, time.monotonic()
     while counts["polygons"] < arguments.polygons:
         seed = arguments.seed * 1_000_003 + number
         failed = batch(cases.cases(), seed, BATCH, counts,
