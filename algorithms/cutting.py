@@ -22,7 +22,7 @@ from . import features
 from .base import IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
-from .sinks import add_feature, make_fields, open_sink
+from .sinks import Sinks, make_fields
 from .solving import (
     Settings,
     expression_problem,
@@ -286,27 +286,31 @@ class CuttingTool(PartitionTool):
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
         steps = Steps(source, feedback)
-        writer = _Writer(self, parameters, context, source, steps.wkb_type)
-        settings = self.settings(
-            parameters, context, source, feedback, all_dilations=writer.diagonals is not None
-        )
-        choose = self.chooser(parameters, context, source, feedback)
-        for feature in steps:
-            try:
-                solved = solve(
-                    feature,
-                    settings,
-                    lambda tasks, check, feature=feature: choose(feature, tasks, check),
-                    feedback,
-                    steps.progress,
-                )
-            except Cancelled:
-                break
-            for problem in writer.write(feature, solved):
-                feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
-        if settings.lines:
-            settings.lines.report(feedback)
-        return writer.results()
+        with Sinks(self, parameters, context, feedback) as sinks:
+            writer = _Writer(self, source, steps.wkb_type, sinks)
+            settings = self.settings(
+                parameters, context, source, feedback, all_dilations=writer.with_diagonals
+            )
+            choose = self.chooser(parameters, context, source, feedback)
+            for feature in steps:
+                try:
+                    solved = solve(
+                        feature,
+                        settings,
+                        lambda tasks, check, feature=feature: choose(feature, tasks, check),
+                        feedback,
+                        steps.progress,
+                    )
+                except Cancelled:
+                    break
+                for problem in writer.write(feature, solved):
+                    feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
+            if settings.lines:
+                settings.lines.report(feedback)
+        # loaded layers get their styles
+        style_on_load(context, sinks.destinations.get(self.OUTPUT), "parts.qml")
+        style_on_load(context, sinks.destinations.get(self.CUTS), "cuts.qml")
+        return {**sinks.destinations, **writer.numbers}
 
     def extra_values(self, solved):
         """Return the values of `extra_fields` for a solved feature."""
@@ -314,21 +318,21 @@ class CuttingTool(PartitionTool):
 
 
 class _Writer:
-    """The sinks, and what is counted while they fill."""
+    """Writes what was solved, and counts it."""
 
-    def __init__(self, tool, parameters, context, source, wkb_type):
-        self.tool, self.parameters, self.context = tool, parameters, context
+    def __init__(self, tool, source, wkb_type, sinks):
+        self.tool, self.sinks = tool, sinks
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
         line_type = features.line_type(wkb_type)
-        self.part_fields = QgsProcessingUtils.combineFields(
+        part_fields = QgsProcessingUtils.combineFields(
             fields, make_fields(PART_FIELDS + tool.extra_fields)
         )
-        self.cut_fields, self.diagonal_fields = make_fields(CUT_FIELDS), make_fields(DIAGONAL_FIELDS)
-        self.destinations = {}
-        self.parts = self._open(tool.OUTPUT, self.part_fields, wkb_type, crs)
-        self.cuts = self._open(tool.CUTS, self.cut_fields, line_type, crs)
-        self.diagonals = self._open(tool.DIAGONALS, self.diagonal_fields, line_type, crs)
+        sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
+        self.with_cuts = sinks.open(tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False)
+        self.with_diagonals = sinks.open(
+            tool.DIAGONALS, make_fields(DIAGONAL_FIELDS), line_type, crs, False
+        )
         self.numbers = {
             tool.PART_COUNT: 0,
             tool.CUT_COUNT: 0,
@@ -338,15 +342,6 @@ class _Writer:
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
-
-    def _open(self, name, fields, wkb_type, crs):
-        sink, destination = open_sink(
-            self.tool, self.parameters, name, self.context, fields, wkb_type, crs,
-            name == self.tool.OUTPUT,
-        )  # fmt: skip
-        if sink is not None:
-            self.destinations[name] = destination
-        return sink
 
     def write(self, feature, solved):
         """Write a solved feature; return what could not be solved of it."""
@@ -385,18 +380,20 @@ class _Writer:
         return problems
 
     def _add_part(self, feature, geometry, values):
-        add_feature(self.parts, self.part_fields, geometry, feature.attributes() + values)
+        origin = f"feature {feature.id()}"
+        self.sinks.add(self.tool.OUTPUT, geometry, feature.attributes() + values, origin)
         self.numbers[self.tool.PART_COUNT] += 1
 
     def _write_lines(self, feature, polygon, extra, number):
         solution, source = polygon.partition, feature.id()
+        origin = f"feature {source}"
         selected = solution.role == 0
         self.numbers[self.tool.CUT_COUNT] += int(selected.sum())
         self.numbers[self.tool.CUT_LENGTH] += float(solution.length[selected].sum())
         self.numbers[self.tool.MAX_DILATION] = max(
             self.numbers[self.tool.MAX_DILATION], solution.largest_dilation
         )
-        if self.cuts is not None:
+        if self.with_cuts:
             for rows, length, detour, (a, b) in zip(
                 solution.edge_rows[selected],
                 solution.length[selected].tolist(),
@@ -405,8 +402,8 @@ class _Writer:
             ):
                 line = features.line_geometry(polygon.coords, rows, extra)
                 values = [source, length, _or_null(detour), *sorted((number(a), number(b)))]
-                add_feature(self.cuts, self.cut_fields, line, values)
-        if self.diagonals is not None:
+                self.sinks.add(self.tool.CUTS, line, values, origin)
+        if self.with_diagonals:
             for rows, length, detour, dilation, role in zip(
                 solution.edge_rows,
                 solution.length.tolist(),
@@ -416,13 +413,7 @@ class _Writer:
             ):
                 line = features.line_geometry(polygon.coords, rows, extra)
                 values = [source, length, _or_null(detour), dilation, ROLES[role]]
-                add_feature(self.diagonals, self.diagonal_fields, line, values)
-
-    def results(self):
-        """The outputs of the tool; loaded layers get their styles."""
-        style_on_load(self.context, self.destinations.get(self.tool.OUTPUT), "parts.qml")
-        style_on_load(self.context, self.destinations.get(self.tool.CUTS), "cuts.qml")
-        return {**self.destinations, **self.numbers}
+                self.sinks.add(self.tool.DIAGONALS, line, values, origin)
 
 
 def _or_null(value):

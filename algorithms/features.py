@@ -110,11 +110,12 @@ def polygon_geometry(coords, rings, extra, multi):
     multi : bool
         Whether to wrap the polygon as a multipolygon.
     """
+    import numpy as np
+
     chunks = [_header(3 + extra, len(rings))]
     for ring in rings:
-        chunks += [
-            struct.pack("<I", len(ring) + 1), coords[ring].tobytes(), coords[ring[0]].tobytes()
-        ]
+        closed = np.append(ring, ring[:1])  # an empty ring stays empty
+        chunks += [struct.pack("<I", len(closed)), coords[closed].tobytes()]
     if multi:
         chunks.insert(0, _header(6 + extra, 1))
     return _geometry(chunks)

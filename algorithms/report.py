@@ -41,7 +41,7 @@ def page(title, intro, curves):
 def _table(curve):
     rows = [
         f"<tr><td>{curve['tau'][k]:.4g}</td><td>{curve['cuts'][k]}</td>"
-        f"<td>{curve['cost'][k]:.6g}</td><td>{100 * curve['share'][k]:.1f} %</td></tr>"
+        f"<td>{curve['cost'][k]:.6g}</td><td>{_per_cent(curve['share'][k])}</td></tr>"
         for k in curve["marked"]
     ]
     if not rows:
@@ -51,6 +51,10 @@ def _table(curve):
         f"more.</caption><tr><th>tau</th><th>cuts</th><th>{html.escape(curve['unit'])}</th>"
         f"<th>largest part</th></tr>{''.join(rows)}</table>"
     )
+
+
+def _per_cent(share):
+    return f"{100 * share:.1f} %" if isinstance(share, float) else "?"
 
 
 def _plot(curve):

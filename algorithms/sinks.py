@@ -1,8 +1,29 @@
-"""Where the tools write: fields, sinks, and features that must not get lost."""
+"""Where the tools write: fields, sinks, and results that are on disk as a whole or not at all."""
 
-from qgis.core import QgsFeature, QgsFeatureSink, QgsFields, QgsProcessingException
+import contextlib
+import os
+import traceback
+from pathlib import Path
+
+from qgis.core import (
+    QgsFeature,
+    QgsFeatureSink,
+    QgsFields,
+    QgsProcessingException,
+    QgsProcessingOutputLayerDefinition,
+)
 
 from . import features
+
+# formats that keep every feature, and can be read
+READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
+# what belongs to a file besides the file itself
+BESIDE = ("-journal", "-wal", "-shm")
+SIDECARS = {
+    ".shp": (".shx", ".dbf", ".prj", ".cpg", ".qpj", ".qmd", ".qix", ".sbn", ".sbx"),
+    ".tab": (".dat", ".map", ".id", ".ind"),
+    ".gml": (".xsd", ".gfs"),
+}
 
 
 def make_fields(definition):
@@ -27,14 +48,154 @@ def open_sink(tool, parameters, name, context, fields, wkb_type, crs, needed):
     return sink, destination
 
 
-def add_feature(sink, fields, geometry, values):
-    """Write a feature; a failure is an error, so that nothing is lost in silence."""
+def add_feature(sink, fields, geometry, values, origin=""):
+    """Write a feature; a failure is an error, so that nothing is lost in silence.
+
+    ``origin`` says in a few words what the feature is a result of.
+    """
     feature = QgsFeature(fields)
     if geometry is not None:
         feature.setGeometry(geometry)
     feature.setAttributes(values)
     if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
         raise QgsProcessingException(
-            "A result could not be written (is the disk full, or a value too long for the "
-            f"format?): {sink.lastError()}"
+            f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
+            "value too long or of no kind for the format? A GeoPackage takes nearly everything): "
+            f"{sink.lastError()}"
         )
+
+
+class Sinks:
+    """The sinks of one run, for a ``with`` block around all that is written.
+
+    At its end what was written to files is read again, because some formats lose the end of a layer
+    on a full disk without a word. After an error, or if the user has cancelled, files that are half
+    written are removed: they would look complete.
+
+    Parameters
+    ----------
+    tool : QgsProcessingAlgorithm
+    parameters, context, feedback
+        Those of the run.
+
+    Attributes
+    ----------
+    destinations : dict
+        What the tool returns for each sink that was wanted and has come to an end.
+    """
+
+    def __init__(self, tool, parameters, context, feedback):
+        self.tool, self.parameters = tool, parameters
+        self.context, self.feedback = context, feedback
+        self.destinations, self.fields = {}, {}
+        self._sinks, self._written = {}, {}
+
+    def open(self, name, fields, wkb_type, crs, needed=True):
+        """Open a sink; return whether it is wanted. See `open_sink`."""
+        sink, destination = open_sink(
+            self.tool, self.parameters, name, self.context, fields, wkb_type, crs, needed
+        )
+        if sink is not None:
+            self._sinks[name], self.fields[name] = sink, fields
+            self.destinations[name], self._written[name] = destination, 0
+        return sink is not None
+
+    def add(self, name, geometry, values, origin=""):
+        """Write a feature to a sink that is open. See `add_feature`."""
+        add_feature(self._sinks[name], self.fields[name], geometry, values, origin)
+        self._written[name] += 1
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, trace):
+        traceback.clear_frames(trace)  # where a sink was at work when it failed
+        self._sinks.clear()  # this closes them
+        if kind is None and not self.feedback.isCanceled():
+            lost = [name for name in self.destinations if not self._is_complete(name)]
+            if not lost:
+                return
+            message = self._message(lost)
+            self._discard()
+            raise QgsProcessingException(message)
+        if self._discard() and kind is None:
+            self.feedback.pushInfo("Cancelled: what was half written has been removed.")
+
+    def _is_complete(self, name):
+        """Whether a file has all that was written to it."""
+        path, layer = _path(self.destinations[name]), _layer_name(self.destinations[name])
+        if path is None or path.suffix.lower() not in READ_AGAIN:
+            return True
+        with _quiet() as gdal:
+            source = gdal.OpenEx(str(path), gdal.OF_VECTOR)
+            table = source and (source.GetLayerByName(layer) if layer else source.GetLayer(0))
+            return table is not None and table.GetFeatureCount() >= self._written[name]
+
+    def _message(self, lost):
+        paths = ", ".join(str(_path(self.destinations[name])) for name in lost)
+        return (
+            f"Not everything could be written to {paths}. Is the disk full? Some formats also drop "
+            "features without geometry; a GeoPackage keeps them."
+        )
+
+    def _discard(self):
+        """Remove the files of this run; whether there were any."""
+        found = False
+        for name, destination in list(self.destinations.items()):
+            if _path(destination) is not None and not _appends(self.parameters.get(name)):
+                _remove(destination)
+                del self.destinations[name]
+                found = True
+        return found
+
+
+def _path(destination):
+    """The file of a destination; None for one in memory or in a database."""
+    path = destination.partition("|")[0]
+    return Path(path) if os.path.isfile(path) else None
+
+
+def _layer_name(destination):
+    """The layer's name in its file, or ''."""
+    return destination.partition("|layername=")[2].partition("|")[0]
+
+
+@contextlib.contextmanager
+def _quiet():
+    """GDAL, telling of failures by None and nothing else."""
+    from osgeo import gdal
+
+    raises = gdal.GetUseExceptions()
+    gdal.DontUseExceptions()
+    gdal.PushErrorHandler("CPLQuietErrorHandler")
+    try:
+        yield gdal
+    finally:
+        gdal.PopErrorHandler()
+        if raises:
+            gdal.UseExceptions()
+
+
+def _appends(parameter):
+    """Whether the features were added to a layer that was there before."""
+    return (
+        isinstance(parameter, QgsProcessingOutputLayerDefinition)
+        and getattr(parameter, "useRemapping", lambda: False)()
+    )
+
+
+def _remove(destination):
+    """Remove a layer, and its file unless that has other layers."""
+    path, layer = _path(destination), _layer_name(destination)
+    if layer:
+        with _quiet() as gdal:
+            source = gdal.OpenEx(str(path), gdal.OF_VECTOR | gdal.OF_UPDATE)
+            tables = range(source.GetLayerCount()) if source else ()
+            names = [source.GetLayer(k).GetName() for k in tables]
+            if set(names) - {layer}:
+                if layer in names:
+                    source.DeleteLayer(names.index(layer))
+                return
+    others = [path.with_suffix(end) for end in SIDECARS.get(path.suffix.lower(), ())]
+    for file in [path, *others, *(Path(f"{path}{end}") for end in BESIDE)]:
+        file.unlink(missing_ok=True)

@@ -1,9 +1,11 @@
 """The tool ``isthmus:tradeoff``."""
 
+import contextlib
 import math
 from pathlib import Path
 
 from qgis.core import (
+    NULL,
     QgsCoordinateReferenceSystem,
     QgsProcessing,
     QgsProcessingException,
@@ -21,7 +23,7 @@ from .base import Steps, one_line
 from .cutting import BY_SIZE, PartitionTool
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
-from .sinks import add_feature, make_fields
+from .sinks import Sinks, make_fields
 from .solving import prepare_tasks
 
 FIELDS = (
@@ -127,22 +129,34 @@ class TradeoffAlgorithm(PartitionTool):
         return self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):
-        from ..core.budget import joint_solver, trade_off
-        from ..core.curve import paying_steps
-
         source = self.source(parameters, context)
         low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
         high = self.parameterAsDouble(parameters, self.TAU_MAX, context) or math.inf
         most = self.parameterAsInt(parameters, self.STEPS, context)
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         settings = self.settings(parameters, context, source, feedback)
-        fields = make_fields(FIELDS)
-        sink, destination = self.parameterAsSink(
-            parameters, self.OUTPUT, context, fields, QgsWkbTypes.Type.NoGeometry,
-            QgsCoordinateReferenceSystem(),
-        )  # fmt: skip
-        if sink is None:
-            raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
+        path = self.parameterAsFileOutput(parameters, self.REPORT, context)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            sinks.open(
+                self.OUTPUT, make_fields(FIELDS), QgsWkbTypes.Type.NoGeometry,
+                QgsCoordinateReferenceSystem(),
+            )  # fmt: skip
+            curves, numbers = self._curves(
+                source, settings, low, high, most, UNITS[objective], sinks, feedback
+            )
+            if settings.lines:
+                settings.lines.report(feedback)
+            if path and not feedback.isCanceled():
+                self._write_report(path, source.sourceName(), objective, curves)
+        results = {**sinks.destinations, **numbers}
+        if path and not feedback.isCanceled():
+            results[self.REPORT] = path
+        return results
+
+    def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
+        """Write the steps of each feature; return the curves for the report, and the numbers."""
+        from ..core.budget import joint_solver, trade_off
+        from ..core.curve import paying_steps
 
         curves, count, skipped = [], 0, 0
         steps = Steps(source, feedback)
@@ -175,13 +189,13 @@ class TradeoffAlgorithm(PartitionTool):
                     f"Feature {feature.id()}: parts of it were left out: {'; '.join(left_out)}."
                 )
             for row in rows:
-                add_feature(sink, fields, None, row)
+                sinks.add(self.OUTPUT, None, row, f"feature {feature.id()}")
             count += len(rows)
             _, tau, cuts, _, cost, share = map(list, zip(*rows))
             curves.append(
                 {
                     "name": f"Feature {feature.id()}",
-                    "unit": UNITS[objective],
+                    "unit": unit,
                     "tau": tau,
                     "cost": cost,
                     "cuts": cuts,
@@ -190,16 +204,7 @@ class TradeoffAlgorithm(PartitionTool):
                     "complete": curve.complete,
                 }
             )
-        if settings.lines:
-            settings.lines.report(feedback)
-        results = {
-            self.OUTPUT: destination, self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped
-        }
-        path = self.parameterAsFileOutput(parameters, self.REPORT, context)
-        if path:
-            self._write_report(path, source.sourceName(), objective, curves)
-            results[self.REPORT] = path
-        return results
+        return curves, {self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped}
 
     def _write_report(self, path, name, objective, curves):
         intro = [
@@ -216,6 +221,8 @@ class TradeoffAlgorithm(PartitionTool):
                 report.page(f"Detour trade-off of {name}", intro, curves), encoding="utf-8"
             )
         except OSError as error:
+            with contextlib.suppress(OSError):
+                Path(path).unlink()
             raise QgsProcessingException(f"The report could not be written: {error}") from error
 
 
@@ -230,5 +237,6 @@ def _row(source, tasks, joint, check):
         cuts += len(selection.selected)
         length += float(result.length[selection.selected].sum())
     total = math.fsum(parts)
-    share = max(parts) / total if total > 0.0 else 1.0
+    # no number where areas are beyond what doubles hold
+    share = max(parts) / total if 0.0 < total < math.inf else NULL
     return [source, joint.dilation, cuts, length, joint.cost, share]

@@ -170,6 +170,8 @@ def _tighten(solve, best, low, budget):
         probe = solve(trial)
         if _exceeds(probe.cost, budget):
             return best, probe
+        if not probe.dilation < best.dilation:  # no solution that doubles could tell apart
+            return best, None
         best, misses = probe, 0
         while misses < MISSES:
             trial = math.sqrt(low * best.dilation)

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from .polygon import signed_areas, without_rings
+from .predicates import crossing
 from .triangulation import diagonals
 
 __all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "counted", "from_lines",
@@ -63,7 +64,8 @@ def from_lines(polygon, lines):
     -----
     O((n + l) log n), but for one test of each line against the polygon.
     """
-    lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
+    with np.errstate(over="ignore"):  # a line far off a tiny polygon
+        lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
     verdict = np.full(len(lines), OFF_VERTICES)
     other = np.full(len(lines), -1)
     ends = _nearest_vertices(polygon.xy, lines)
@@ -72,6 +74,9 @@ def from_lines(polygon, lines):
         return Lines(np.empty((0, 2), dtype=np.int64), found, verdict, other)
     segments = shapely.linestrings(polygon.xy[ends[found]])
     verdict[found] = _against_polygon(polygon, segments)
+    borders = np.stack((polygon.vertex, polygon.vertex[polygon.next_corner]), axis=1)
+    leaving, _ = _crossings(polygon.xy[ends[found]], polygon.xy[borders])
+    verdict[found[leaving]] = LEAVES
 
     # shortest first; ties by place, so that the order of the lines does not matter
     good = found[verdict[found] == ACCEPTED]
@@ -85,14 +90,12 @@ def from_lines(polygon, lines):
     other[good[original != good]] = original[original != good]
     good = good[original == good]
 
-    segments = shapely.linestrings(polygon.xy[ends[good]])
-    a, b = shapely.STRtree(segments).query(segments, predicate="crosses")
-    crossing = {}
-    for p, q in zip(a.tolist(), b.tolist()):
+    crossed = {}
+    for p, q in zip(*_crossings(polygon.xy[ends[good]], polygon.xy[ends[good]])):
         if q < p:
-            crossing.setdefault(p, []).append(q)
-    for p in sorted(crossing):
-        for q in sorted(crossing[p]):
+            crossed.setdefault(p, []).append(q)
+    for p in sorted(crossed):
+        for q in sorted(crossed[p]):
             if verdict[good[q]] == ACCEPTED:
                 verdict[good[p]], other[good[p]] = CROSSES, good[q]
                 break
@@ -156,7 +159,8 @@ def counted(polygon, component, equal_area, min_hole):
     if len(component) == 1 or min_hole <= 0.0:
         return set(component.tolist()), attachable
     area = np.abs(signed_areas(equal_area(polygon.xy)[polygon.vertex], polygon.offsets))
-    counts = area * polygon.unit * polygon.unit >= min_hole
+    with np.errstate(over="ignore"):
+        counts = area * polygon.unit * polygon.unit >= min_hole
     counts[0] = True
     # a corner inserted where a small hole touches an edge is a vertex of that hole alone
     own = counts[polygon.ring_of_corner] & ~polygon.inserted
@@ -188,6 +192,17 @@ def _against_polygon(polygon, segments):
     inside[inside] = shapely.relate_pattern(shape, segments[inside], "1**F**F**")
     verdict[inside] = ACCEPTED
     return verdict
+
+
+def _crossings(one, other):
+    """Pairs of segments that cross: lists of places in the one and in the other array."""
+    boxes = (
+        shapely.box(*segments.min(axis=1).T, *segments.max(axis=1).T) for segments in (other, one)
+    )
+    tree, boxes = shapely.STRtree(next(boxes)), next(boxes)
+    a, b = tree.query(boxes)
+    cross = crossing(one[a], other[b])
+    return a[cross].tolist(), b[cross].tolist()
 
 
 def _complex(xy):

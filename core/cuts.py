@@ -15,7 +15,7 @@ import numpy as np
 
 from .objective import SLACK
 
-__all__ = ["BoundaryGraph", "boundary_graph", "detours", "drop_redundant", "largest_dilation",
+__all__ = ["BoundaryGraph", "at_least_one", "boundary_graph", "detours", "drop_redundant", "largest_dilation",
            "true_dilations"]
 
 
@@ -154,7 +154,12 @@ def detours(polygon, edge_length, edges, length):
         search &= ~same | (graph.node[u] >= 0) | (graph.node[v] >= 0)
         for k in np.flatnonzero(search).tolist():
             path[k] = _distance(graph, u[k], v[k], np.inf)
-    return path / length
+    return at_least_one(path / length)
+
+
+def at_least_one(dilation):
+    """Dilations as they are in a metric; arcs from chords make long edges a little too long."""
+    return np.maximum(dilation, 1.0)
 
 
 def true_dilations(graph, edges, length, bound, check):
@@ -179,7 +184,7 @@ def true_dilations(graph, edges, length, bound, check):
             check()
         path = _distance(graph, *edges[k], bound[k] * length[k])
         dilation[k] = min(bound[k], path / length[k])
-    return dilation
+    return at_least_one(dilation)
 
 
 def largest_dilation(graph, edges, length, bound, check):

@@ -13,7 +13,7 @@ import numpy as np
 from . import metric
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
-from .cuts import boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
+from .cuts import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
 from .objective import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .objective_weighted import min_weight
@@ -315,6 +315,7 @@ def prepare(
     return prepared._replace(carved=_carve(prepared, tree))
 
 
+@np.errstate(over="ignore")  # a tau of 1e300 is as good as none
 def select(
     prepared, tau, weight=None, max_gap=0.001, time_limit=None, check=None, with_dilation=True
 ):
@@ -479,7 +480,7 @@ def _witnesses(prepared, carved, selected, check):
     side[cut] = SELF
     path = np.where(cut, carved.net.length, np.minimum(below, above))
     role[edge] = side[1:]
-    dilation[edge] = path[1:] / carved.net.length[1:]
+    dilation[edge] = at_least_one(path[1:] / carved.net.length[1:])
     return role, dilation
 
 

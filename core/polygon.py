@@ -17,7 +17,7 @@ import shapely
 
 from .errors import Unsolvable
 
-__all__ = ["Polygon", "from_rings", "ring_polygon", "signed_areas", "without_rings"]
+__all__ = ["Polygon", "from_rings", "is_valid", "ring_polygon", "signed_areas", "without_rings"]
 
 
 class Polygon(NamedTuple):
@@ -111,7 +111,7 @@ def from_rings(coords, offsets):
         indices=np.repeat(np.arange(len(rings)), [len(start) for _, start in rings]),
     )
     shape = shapely.polygons(lines[0], lines[1:])
-    if not shapely.is_valid(shape):
+    if not is_valid(shape):
         raise Unsolvable("invalid geometry: " + _reason(shape, unit))
 
     ccw = shapely.is_ccw(lines)
@@ -138,6 +138,14 @@ def from_rings(coords, offsets):
         shell_reversed=not ccw[0],
     )
     return polygon if len(order) == 1 else _merge_touching(polygon, lines[order])
+
+
+def is_valid(shape):
+    """Whether a shapely polygon is valid as far as GEOS can tell: on some it fails by underflow."""
+    try:
+        return bool(shapely.is_valid(shape))
+    except shapely.errors.GEOSException:
+        return False
 
 
 def ring_polygon(polygon, xy):
@@ -234,7 +242,10 @@ def _starts(sizes):
 
 def _reason(shape, unit):
     """GEOS's reason, its place in the units of the input."""
-    reason = shapely.is_valid_reason(shape)
+    try:
+        reason = shapely.is_valid_reason(shape)
+    except shapely.errors.GEOSException:
+        return "it is too fine to be checked"
     if unit == 1.0:
         return reason
     return reason.split("[")[0].strip()

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from .errors import MissingEngine, Unsolvable
-from .polygon import ring_polygon
+from .polygon import is_valid, ring_polygon
 
 __all__ = ["diagonals", "engine_name", "missing_packages", "triangles"]
 
@@ -104,13 +104,14 @@ def _bent(polygon, conformal):
     """The vertices in the conformal plane, or None where the polygon does not survive the map."""
     with np.errstate(all="ignore"):
         plane = conformal(polygon.xy * polygon.unit)
-    if not (np.abs(plane) < 1e50).all():  # a pole, or no degrees at all
+    # a pole, or no degrees at all; or so small that GEOS fails
+    if not 1e-50 < np.abs(plane).max() < 1e50:
         return None
     points = np.sort(np.ascontiguousarray(plane).view(np.complex128).ravel())
     if (points[1:] == points[:-1]).any():  # vertices that rounding makes one crash Triangle
         return None
     # Triangle may hang on holes that overlap the shell, but not on a single ring
-    if len(polygon.offsets) > 2 and not shapely.is_valid(ring_polygon(polygon, plane)):
+    if len(polygon.offsets) > 2 and not is_valid(ring_polygon(polygon, plane)):
         return None
     return plane
 

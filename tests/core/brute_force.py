@@ -21,17 +21,19 @@ def smallest_dilation(points, candidates, weights, budget):
     return dilation[subset @ np.asarray(weights, dtype=float) <= budget * (1 + 1e-12)].min()
 
 
-def all_subsets(points, candidates):
+def all_subsets(points, candidates, direct=None):
     """All subsets of the candidates, a row each, and the largest dilation of a candidate in each.
 
-    ``points`` is a simple polygon, ``candidates`` pairs of its indices. All 2^k subsets at once:
-    Floyd and Warshall's shortest paths, one matrix a subset.
+    ``points`` is a simple polygon, ``candidates`` pairs of its indices, ``direct`` the (n, n) lengths
+    of straight lines (default: Euclidean). All 2^k subsets at once: Floyd and Warshall's shortest
+    paths, one matrix a subset.
     """
     points = np.asarray(points, dtype=float)
     u, v = np.array(candidates, dtype=int).reshape(-1, 2).T
     n, k = len(points), len(u)
     subset = (np.arange(2**k)[:, None] >> np.arange(k)) & 1 == 1
-    direct = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
+    if direct is None:
+        direct = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
 
     distance = np.full((2**k, n, n), np.inf)
     around = np.arange(n)
