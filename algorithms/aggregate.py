@@ -24,7 +24,7 @@ from . import features
 from .aggregation_tables import distances, thresholds
 from .base import IsthmusAlgorithm, Steps, install_hint, one_line
 from .features import INTEGER, LONG, REAL, TEXT
-from .sinks import add_feature, make_fields, open_sink
+from .sinks import Sinks, make_fields
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -287,7 +287,9 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         found, bound = run.solve()
         if found is None:
             return {}
-        results = run.write(found)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            results = run.write(found, sinks)
+        results.update(sinks.destinations)
         cost = costs(run.problem, found)
         size = float(np.sum(run.areas.size))
         results.update({
@@ -540,8 +542,8 @@ class _Run:
             f"{layer.counted(result.rounds, 'programme')} solved)."
         )
 
-    def write(self, found):
-        """Write the layers; return the results."""
+    def write(self, found, sinks):
+        """Write the layers; return the numbers."""
         import numpy as np
 
         from ..core.aggregation.coverage import joined
@@ -585,11 +587,7 @@ class _Run:
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
         own = _region_fields(self.class_field)
-        sink, destination = open_sink(
-            tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True
-        )
-        results = {tool.OUTPUT: destination}
-
+        sinks.open(tool.OUTPUT, own, wkb_type, crs)
         size = np.bincount(found.region, weights=problem.size, minlength=count)
         written = 0
         for r, group in enumerate(members):
@@ -601,19 +599,18 @@ class _Run:
                 r + 1, core.attributes()[self.class_index], float(size[r]),
                 len({sources[k] for k in group}), core.id(), faults.get(r, ""),
             ]
-            add_feature(sink, own, geometry, values)
+            sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
             written += 1
         small = [
             r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
         ]
         self._report_small(small, found, size, faults)
-        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, results)
-        results.update({
+        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, sinks)
+        return {
             tool.REGION_COUNT: written,
             tool.TOO_SMALL_COUNT: len(small),
             tool.SKIPPED_COUNT: len(self.reason),
-        })
-        return results
+        }
 
     def _sources(self):
         """What identifies the area of each feature: pieces of one area have the same."""
@@ -649,7 +646,7 @@ class _Run:
                 "No region reaches its minimum size: is the threshold larger than the map?"
             )
 
-    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, results):
+    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, sinks):
         """Write the areas with their regions; ``groups`` has the pieces of each, by its region."""
         tool, areas = self.tool, self.areas
         new_class = type(self.class_field)(self.class_field)
@@ -659,12 +656,8 @@ class _Run:
         for one in make_fields(ASSIGNED_FIELDS[1:]):
             added.append(one)
         own = QgsProcessingUtils.combineFields(self.source.fields(), added)
-        sink, destination = open_sink(
-            tool, self.parameters, tool.ASSIGNMENT, self.context, own, wkb_type, crs, False
-        )
-        if sink is None:
+        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, crs, False):
             return
-        results[tool.ASSIGNMENT] = destination
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         for number, ((_, r), group) in enumerate(groups.items()):
             first = areas.features[group[0]]
@@ -683,4 +676,4 @@ class _Run:
                 geometry = first.geometry()
             else:
                 geometry = self._shape(group, shapes.get(number), extra, multi)
-            add_feature(sink, own, geometry, values)
+            sinks.add(tool.ASSIGNMENT, geometry, values, f"area {first.id()}")

@@ -2,11 +2,11 @@
 
 import math
 import time
+from pathlib import Path
 
 from qgis.core import (
     QgsCoordinateTransform,
     QgsCsException,
-    QgsFeature,
     QgsFeatureRequest,
     QgsFeatureSink,
     QgsFields,
@@ -32,6 +32,7 @@ from qgis.core import (
 from . import features
 from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, one_line, style_on_load
 from .features import REAL, TEXT
+from .sinks import Sinks, make_fields
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -318,11 +319,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 f"{result.scale:.3f} times. A smaller scale, a larger map around the region, or "
                 "switching the frame off gives more room."
             )
-        answer = self._write(parameters, context, source, held, runs, result)
-        answer.update(self._write_edges(parameters, context, crs, result))
-        answer.update(
-            self._carry(parameters, context, crs, result, starts, rows, focus, frame, feedback)
-        )
+        with Sinks(self, parameters, context, feedback) as sinks:
+            self._write(sinks, source, held, runs, result)
+            self._write_edges(sinks, crs, result)
+            answer = self._carry(
+                parameters, context, crs, result, starts, rows, focus, frame, feedback
+            )
+        answer.update(sinks.destinations)
+        style_on_load(context, answer.get(self.EDGES_USED), "cuts.qml")
         feedback.setProgress(100)
         answer.update({
             self.SCALE_REACHED: result.scale,
@@ -383,33 +387,20 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             )
         return found[good]
 
-    def _write(self, parameters, context, source, held, runs, result):
+    def _write(self, sinks, source, held, runs, result):
         kind = QgsWkbTypes.linearType(source.wkbType())
-        sink, destination = self.parameterAsSink(
-            parameters, self.OUTPUT, context, source.fields(), kind, source.sourceCrs()
-        )
-        if sink is None:
-            raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
+        sinks.open(self.OUTPUT, source.fields(), kind, source.sourceCrs())
         start = 0
         for feature, one in zip(held, runs):
             count = sum(one.counts)
-            if count:
-                feature.setGeometry(one.moved(result.rows[start:start + count]))
+            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
             start += count
-            _add(sink, feature)
-        return {self.OUTPUT: destination}
+            sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
-    def _write_edges(self, parameters, context, crs, result):
-        fields = QgsFields()
-        for name, kind in EDGE_FIELDS:
-            fields.append(features.field(name, kind))
-        sink, destination = self.parameterAsSink(
-            parameters, self.EDGES_USED, context, fields, QgsWkbTypes.Type.LineString, crs
-        )
-        if sink is None:
-            if parameters.get(self.EDGES_USED):
-                raise QgsProcessingException(self.invalidSinkError(parameters, self.EDGES_USED))
-            return {}
+    def _write_edges(self, sinks, crs, result):
+        fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
+        if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
+            return
         import numpy as np
 
         before, after = (
@@ -419,12 +410,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         for ends, kind, length, longer in zip(
             result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
         ):
-            feature = QgsFeature(fields)
-            feature.setGeometry(features.line_geometry(result.moved, ends, 0))
-            feature.setAttributes([kind, length, longer])
-            _add(sink, feature)
-        style_on_load(context, destination, "cuts.qml")
-        return {self.EDGES_USED: destination}
+            line = features.line_geometry(result.moved, ends, 0)
+            sinks.add(self.EDGES_USED, line, [kind, length, longer])
 
     def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):
         layers = self.parameterAsLayerList(parameters, self.ALONG, context)
@@ -450,6 +437,9 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             written.append(
                 self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
             )
+        if feedback.isCanceled():  # half written, it would look complete
+            Path(path).unlink(missing_ok=True)
+            return {self.CARRIED_LAYERS: []}
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
     def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
@@ -542,11 +532,3 @@ def _straight(geometry):
     abstract = geometry.constGet()
     curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
     return abstract.segmentize() if curved else abstract
-
-
-def _add(sink, feature):
-    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-        raise QgsProcessingException(
-            "A result could not be written (is the disk full, or a value too long for the format?): "
-            f"{sink.lastError()}"
-        )

@@ -20,7 +20,7 @@ from . import features
 from .base import IsthmusAlgorithm, Steps, one_line, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
-from .sinks import add_feature, make_fields, open_sink
+from .sinks import Sinks, make_fields
 from .solving import Settings, measure_of, solve, weigh_by_length
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -173,6 +173,13 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            numbers = self._prepare(parameters, context, feedback, source, sinks)
+        style_on_load(context, sinks.destinations.get(self.OUTPUT), "parts.qml")
+        return {**sinks.destinations, **numbers} if numbers else {}
+
+    def _prepare(self, parameters, context, feedback, source, sinks):
+        """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
         from ..core.aggregation.coverage import faults
@@ -184,14 +191,11 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         multi = QgsWkbTypes.isMultiType(steps.wkb_type)
         extra = features.dimensions(steps.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
-        sink, destination = open_sink(
-            self, parameters, self.OUTPUT, context, own, steps.wkb_type, crs, True
-        )
-        pair_fields = make_fields(PAIR_FIELDS)
-        table, table_destination = open_sink(
-            self, parameters, self.ADJACENCY, context, pair_fields,
-            QgsWkbTypes.Type.NoGeometry, QgsCoordinateReferenceSystem(), False,
-        )
+        sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
+        with_table = sinks.open(
+            self.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
+            QgsCoordinateReferenceSystem(), False,
+        )  # fmt: skip
         tau = self.parameterAsDouble(parameters, self.TAU, context)
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         settings = Settings(
@@ -223,7 +227,8 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 break
             problems = "; ".join(dict.fromkeys(one.problem for one in solved if one.problem))
             # as it came, even with a ring that is not closed
-            whole = len(solved) == 1 and bool(problems) and not QgsWkbTypes.isCurvedType(geometry.wkbType())
+            curved = QgsWkbTypes.isCurvedType(geometry.wkbType())
+            whole = len(solved) == 1 and bool(problems) and not curved
             if not solved:
                 problems = "it has no geometry" if not feature.hasGeometry() else "it is empty"
                 empty.append((number, problems))
@@ -254,35 +259,32 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             else:
                 geometry = features.polygon_geometry(coords, rings, extra, multi)
             values = [feature.id(), k + 1, float(found.size[k]), status]
-            add_feature(sink, own, geometry, feature.attributes() + values)
+            sinks.add(self.OUTPUT, geometry, feature.attributes() + values, f"area {feature.id()}")
         for number, status in empty:
             feature = kept[number]
             values = [feature.id(), layer.NULL, 0.0, status]
-            add_feature(sink, own, feature.geometry(), feature.attributes() + values)
+            sinks.add(
+                self.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"
+            )
 
         area = np.array([number for number, *_ in pieces], dtype=np.int64)
-        if table is not None:
+        if with_table:
             pairs, length = layer.neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-                add_feature(table, pair_fields, None, [a + 1, b + 1, shared, cut])
+                sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])
 
         wrong = faults(found.coverage)
         overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
         overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
         _report(feedback, kept, overlaps, wrong.gaps, classless)
-        style_on_load(context, destination, "parts.qml")
-        results = {
-            self.OUTPUT: destination,
+        return {
             self.AREA_COUNT: len(kept),
             self.PIECE_COUNT: len(pieces) + len(empty),
             self.SKIPPED_COUNT: skipped,
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-        if table is not None:
-            results[self.ADJACENCY] = table_destination
-        return results
 
 
 def _class_index(tool, parameters, context, source):

@@ -1,6 +1,7 @@
 """Run a tool on a case, as QGIS would, and tell what came of it."""
 
 import contextlib
+import inspect
 import os
 import resource
 import sys
@@ -172,11 +173,16 @@ def run(case, folder=None):
         ``refused`` (the words, or ''), ``crashes``, ``results``, ``layers`` (lists of features by the
         name of their parameter), ``inputs`` (layers that were opened), ``feedback``.
     """
+    frames = []
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        return _run(case, scratch)
+        out = _run(case, scratch, frames)
+    # the exception of a tool that fails is kept by QGIS, with the frames that it came through
+    frames[0].clear()
+    return out
 
 
-def _run(case, folder):
+def _run(case, folder, frames):
+    frames.append(inspect.currentframe())
     parameters = dict(case["parameters"])
     inputs = {}
     for name, one in case["layers"].items():
