@@ -322,6 +322,7 @@ def problems(case, counts=None):
                             ("compared with the brute force", hasattr(out, "brute")),
                             ("in files", case["output"] != "memory")):
             counts[f"{tool} {name}"] += bool(holds)
+    vars(out).clear()  # QGIS keeps the frames of a run that failed, and what is in them
     return wrong
 
 
