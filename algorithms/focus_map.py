@@ -443,6 +443,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
     def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
+        import numpy as np
+
         options = QgsVectorFileWriter.SaveVectorOptions()
         options.driverName, options.layerName = "GPKG", name
         options.actionOnExistingFile = action
@@ -463,11 +465,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 try:
                     geometry.transform(transform)
                     one = features.Runs(geometry)
-                    if one.counts:
-                        feature.setGeometry(one.moved(carrier(one.xy)))
+                    placed = np.isfinite(one.xy).all()
                 except QgsCsException:
+                    placed = False
+                if not placed:
                     feature.clearGeometry()
                     lost.append(feature.id())
+                elif one.counts:
+                    feature.setGeometry(one.moved(carrier(one.xy)))
             if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
                 raise QgsProcessingException(
                     f"A feature of {name} could not be written: {writer.errorMessage()}"

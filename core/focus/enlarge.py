@@ -23,6 +23,7 @@ __all__ = ["FocusMap", "enlarge"]
 
 ATTEMPTS = 4  # to solve, with more detail where lines crossed
 MOST = 3000  # vertices of the outline to solve on
+POINT = 1e-12  # a line that is shorter than this share of the map is no longer than a point
 SIDES = 64  # a focus without vertices of the map gets about so many on its outline
 
 
@@ -151,7 +152,8 @@ def enlarge(
     centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
     if not np.isfinite(unit):
         raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
-    graph, group = _distinct(graph, group, rows, starts, centre, unit)
+    _refuse_outlier(rows, starts, unit)
+    graph, group = _distinct(graph, group, (graph.xy - centre) / unit)
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
     if scale == 1.0:
@@ -324,22 +326,25 @@ def _groups(graph, rows, starts, polygons, regions):
     return graph, group, used
 
 
-def _distinct(graph, group, rows, starts, centre, unit):
+def _refuse_outlier(rows, starts, unit):
+    """Complain if the map is so wide that most of its lines are no longer than a point in it."""
+    begin = starts[:-1][np.diff(starts) > 0]
+    length = (np.maximum.reduceat(rows, begin) - np.minimum.reduceat(rows, begin)).max(axis=1)
+    long = length[length > 0.0] / unit
+    if len(long) and np.count_nonzero(long < POINT) * 2 >= len(long):
+        far = rows[np.argmax(np.abs(rows).max(axis=1))]
+        raise Unsolvable(
+            f"the map reaches as far as ({far[0]:g} {far[1]:g}), and compared with that, most of its "
+            "lines are no longer than a point. Is this coordinate right?"
+        )
+
+
+def _distinct(graph, group, xy):
     """The graph, and the groups, with one vertex for points that the solver could not tell apart."""
-    points, first, vertex = np.unique(
-        (graph.xy - centre) / unit, axis=0, return_index=True, return_inverse=True
-    )
+    points, first, vertex = np.unique(xy, axis=0, return_index=True, return_inverse=True)
     if len(points) == len(graph.xy):
         return graph, group
     vertex = vertex.ravel()
-    for lo, hi in zip(starts[:-1].tolist(), starts[1:].tolist()):
-        line = graph.vertex[lo:hi]
-        if len(line) and (vertex[line] == vertex[line[0]]).all() and (line != line[0]).any():
-            far = rows[np.argmax(np.abs(rows).max(axis=1))]
-            raise Unsolvable(
-                f"the map reaches as far as ({far[0]:g} {far[1]:g}), and compared with that, some of "
-                "its lines are no longer than a point. Is this coordinate right?"
-            )
     merged = np.full(len(points), -1)
     np.maximum.at(merged, vertex, group)
     edges = unique_pairs(vertex[graph.edges], len(points))

@@ -284,7 +284,8 @@ def _not_infinite(layer):
 def focus_model_cases(draw):
     case = draw(focus_cases(["areas"]))  # what can be partitioned
     inputs = {"map": case["layers"]["INPUT"], "focus": case["layers"]["FOCUS"]}
-    _not_infinite(inputs["map"])
+    for one in inputs.values():
+        _not_infinite(one)
     parameters = {"scale": case["parameters"]["SCALE"], "tau": case["parameters"]["TAU"]}
     return {
         "tool": "partition_and_focus_map", "layers": inputs, "parameters": parameters, "output": "memory",
@@ -384,6 +385,11 @@ def main(polygons=20000, number=1, tools=tuple(STRATEGIES)):
              "--polygons", str(polygons - features()), "--tool", *tools], stdout=subprocess.DEVNULL)
         while worker.poll() is None:
             time.sleep(0.5)
+            if time.monotonic() - told > 60 and state.exists():
+                told = time.monotonic()
+                made = json.loads(state.read_text())
+                done = features() + sum(n for name, n in made.get("counts", {}).items() if name.endswith("features"))
+                print(f"  {done} features, {told - begun:.0f} s", flush=True)
             if running.exists() and time.time() - running.stat().st_mtime > HANG:
                 worker.send_signal(signal.SIGKILL)
         if state.exists():
@@ -405,9 +411,6 @@ def main(polygons=20000, number=1, tools=tuple(STRATEGIES)):
             if died > 20:
                 print("too many deaths")
                 break
-        if time.monotonic() - told > 60:
-            told = time.monotonic()
-            print(f"  {features()} features, {len(failures)} failures, {told - begun:.0f} s", flush=True)
     running.unlink(missing_ok=True)
     for name in sorted(counts):
         print(f"{counts[name]:9d} {name}")
@@ -430,7 +433,9 @@ def work(running, state, polygons, number, batch, tools):
     while sum(n for name, n in counts.items() if name.endswith("features")) < polygons:
         attack(tools[batch % len(tools)], number * 1_000_003 + batch, BATCH, counts, failures, before)
         batch += 1
-        state.write_text(json.dumps({"counts": counts, "failures": failures, "batch": batch}))
+        made = json.dumps({"counts": counts, "failures": failures, "batch": batch})
+        state.with_suffix(".new").write_text(made)
+        state.with_suffix(".new").replace(state)  # never half written
     sys.stdout.flush()
     os._exit(0)
 

@@ -6,6 +6,8 @@ import shapely
 
 pytest.importorskip("scipy")
 
+from scipy.spatial import Delaunay
+
 from isthmus.core.errors import Cancelled, Unsolvable
 from isthmus.core.focus.carrying import Carrier
 from isthmus.core.focus.enlarge import enlarge
@@ -246,3 +248,61 @@ def test_carrier():
     assert np.allclose(gaps, 1.5 * np.diff(within, axis=0), atol=1e-9)
     far = np.array([(100.0, 100.0), (-50.0, 0.0)])
     assert np.allclose(carrier(far), far, atol=1e-6)
+
+
+# ---- found by fuzzing
+
+
+def test_parts_of_the_focus_that_touch_at_a_vertex_move_together():
+    rows, starts, polygons = grid(3)
+    focus = shapely.MultiPolygon([shapely.box(0.5, 0.5, 1, 1), shapely.box(1, 1, 1.5, 1.5)])
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    check(rows, starts, polygons, focus, 1.5, result)
+    assert result.scale == 1.5
+
+
+def test_triangles_do_not_turn_over():
+    """A triangle whose tip is pushed through its own long side: none of its edges crosses another."""
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        xy = rng.random((14, 2)) * 100.0
+        corners = np.array([(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)])
+        mesh = Delaunay(np.concatenate((xy, corners)))
+        rows, starts, polygons = rings_of(*(mesh.points[t] for t in mesh.simplices))
+        focus = shapely.Point(xy[0]).buffer(18.0)
+        result = enlarge(rows, starts, polygons, focus, 2.0, rule="None")
+        check(rows, starts, polygons, focus, 2.0, result)
+        for lo, hi in zip(starts[:-1], starts[1:]):
+            before, after = (shapely.LinearRing(one[lo:hi]) for one in (rows, result.rows))
+            assert before.is_ccw == after.is_ccw
+        assert result.distortion.flipped == 0.0
+
+
+def test_points_that_only_rounding_keeps_apart():
+    rows, starts, polygons = rings_of(
+        [(0, 0), (10, 0), (10, 10), (0, 10)], [(10, 0), (20, 0), (20, 10), (10, 1e-17), (10, 0)]
+    )
+    focus = shapely.box(-1, -1, 4, 4)
+    result = enlarge(rows, starts, polygons, focus, 1.4)
+    assert result.scale == 1.4 and np.isfinite(result.rows).all()
+
+
+def test_one_coordinate_beside_which_the_map_is_a_point():
+    rows, starts, polygons = rings_of(box(0, 0, 10, 10), box(1e40, 0, 2e40, 10))
+    with pytest.raises(Unsolvable, match="Is this coordinate right"):
+        enlarge(rows, starts, polygons, shapely.box(-1, -1, 4, 4), 1.4)
+
+
+def test_what_does_not_move_does_not_change_a_bit():
+    rows, starts, polygons = grid(4)
+    rows = rows / 3.0 + 5e6
+    result = enlarge(rows, starts, polygons, shapely.box(5e6 + 0.4, 5e6 + 0.4, 5e6 + 0.8, 5e6 + 0.8), 1.2)
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    still = (rows == low) | (rows == high)
+    assert still.any() and np.array_equal(result.rows[still], rows[still])
+
+
+def test_a_map_that_is_flat_has_room():
+    rows = np.array([(0.0, 5.0), (3.0, 5.0), (6.0, 5.0), (20.0, 5.0)])
+    result = enlarge(rows, np.array([0, 4]), [], shapely.box(2, 4, 7, 6), 1.5)
+    assert result.scale == 1.5 and result.rows[2, 0] - result.rows[1, 0] == pytest.approx(4.5)
