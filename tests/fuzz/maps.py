@@ -1,6 +1,6 @@
 """Fuzz the tools that work on whole maps: prepare, aggregate, focus map, and the example models.
 
-    python tests/fuzz/maps.py [--polygons 20000] [--seed 1] [--tool aggregate] [--case FILE]
+    python tests/fuzz/maps.py [--polygons 20000] [--seed 1] [--tool aggregate] [--case FILE] [--crowd 320]
 
 Hypothesis draws hostile maps and parameters, `maps_run` runs the tool as QGIS would, `maps_checks` tells
 by other means what is wrong. Each kind of failure is saved under build/fuzz, shrunk; ``--case`` runs one
@@ -300,6 +300,33 @@ STRATEGIES = {
 }  # fmt: skip
 
 
+def crowds(side, number):
+    """Very many small areas, for each of the tools; the focus is a corner of the map."""
+    rows = [[one, [key]] for key, one in enumerate(layers.tessellation(number, "quads", side, side, 0.0, 0.02))]
+    rng = Random(number)
+    focus = layers.polygon([[2, 2], [side / 5, 2], [side / 5, side / 5], [2, side / 5], [2, 2]])
+    areas = layers.layer([[one, [rng.choice("abcd"), key]] for one, (key,) in rows],
+                         [["code", "string"], ["key", "integer"]], "EPSG:25832", "gpkg")
+    base = {"layers": {"INPUT": areas}, "fields": {"CLASS": "code"}, "output": "gpkg", "cancel": None, "odd": False,
+            "may_refuse": False}  # fmt: skip
+    yield {**base, "tool": "prepareaggregation", "outputs": ["OUTPUT", "ADJACENCY"], "parameters": {"TAU": 2.0}}
+    yield {
+        **base, "tool": "aggregate", "outputs": ["OUTPUT", "ASSIGNMENT"], "thresholds": {}, "distance": "equal",
+        "parameters": {
+            "THRESHOLD": 8.0, "DISTANCE": "equal", "WEIGHT_CHANGE": 1.0, "WEIGHT_BOUNDARY": 0.2, "WEIGHT_CENTRE": 0.1,
+            "BOUNDARY": "regions", "METHOD": "annealing", "SEED": 1, "ITERATIONS": 10**6, "SECONDS": 0.0, "REGIONS": 0,
+            "DECOMPOSE": True,
+        },
+    }  # fmt: skip
+    plain = [["key", "integer"]]
+    yield {
+        **base, "tool": "focusmap", "outputs": ["OUTPUT", "EDGES_USED"], "fields": {}, "other_crs": False,
+        "layers": {"INPUT": layers.layer(rows, plain, "EPSG:25832"),
+                   "FOCUS": layers.layer([[focus, [0]]], plain, "EPSG:25832")},
+        "parameters": {"SCALE": 1.2, "SELECTION": "None", "TAU": 2.0, "FRAME": True},
+    }  # fmt: skip
+
+
 # ---- runs
 
 
@@ -453,6 +480,7 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tool", nargs="+", default=list(STRATEGIES), choices=list(STRATEGIES))
     parser.add_argument("--case", help="run a saved case again")
+    parser.add_argument("--crowd", type=int, default=0, help="only one map of N x N small areas for each tool")
     parser.add_argument("--worker", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--batch", type=int, default=0, help=argparse.SUPPRESS)
     return parser.parse_args()
@@ -462,6 +490,16 @@ if __name__ == "__main__":
     chosen = arguments()
     if chosen.worker:
         work(*chosen.worker, chosen.polygons, chosen.seed, chosen.batch, chosen.tool)
+    elif chosen.crowd:
+        start_qgis()
+        wrong = 0
+        for each in crowds(chosen.crowd, chosen.seed):
+            begun = time.monotonic()
+            found = problems(each)
+            wrong += bool(found)
+            print(f"{polygons_of(each)} areas, {each['tool']}: {time.monotonic() - begun:.0f} s with the checks; "
+                  f"{found[:3] or 'all is well'}", flush=True)
+        os._exit(bool(wrong))
     elif chosen.case:
         start_qgis()
         found = problems(json.loads(Path(chosen.case).read_text(encoding="utf-8"))["case"])
