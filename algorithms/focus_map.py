@@ -1,5 +1,6 @@
 """The tool ``isthmus:focusmap``."""
 
+import contextlib
 import math
 import time
 from pathlib import Path
@@ -425,20 +426,24 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         path = self.parameterAsFileOutput(parameters, self.CARRIED, context)
         path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
         written, names = [], []
-        for layer in layers:
-            if feedback.isCanceled():
-                break
-            name = layer.name() or "layer"
-            while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
-                name += "_2"
-            names.append(name.lower())
-            whole = QgsVectorFileWriter.ActionOnExistingFile
-            action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
-            written.append(
-                self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
-            )
-        if feedback.isCanceled():  # half written, it would look complete
-            Path(path).unlink(missing_ok=True)
+        try:
+            for layer in layers:
+                if feedback.isCanceled():
+                    break
+                name = layer.name() or "layer"
+                while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
+                    name += "_2"
+                names.append(name.lower())
+                whole = QgsVectorFileWriter.ActionOnExistingFile
+                action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
+                written.append(
+                    self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
+                )
+        except QgsProcessingException:
+            _discard(path)
+            raise
+        if feedback.isCanceled():
+            _discard(path)
             return {self.CARRIED_LAYERS: []}
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
@@ -495,6 +500,13 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             context.temporaryLayerStore().addMapLayer(carried)
             context.addLayerToLoadOnCompletion(carried.id(), details)
         return address
+
+
+def _discard(path):
+    """Remove what is half written: it would look complete."""
+    for end in ("", "-journal", "-wal", "-shm"):
+        with contextlib.suppress(OSError):
+            Path(path + end).unlink()
 
 
 def scipy_problem():

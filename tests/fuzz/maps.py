@@ -46,15 +46,31 @@ cancels = st.one_of(*[st.none()] * 12, st.integers(1, 200))
 @st.composite
 def outputs(draw):
     """Where to write, and when to cancel."""
-    output = draw(weights(*["memory"] * 30, "gpkg", "gpkg", "geojson", "shp", "unwritable", "folder", "full 3000",
-                          "full 30000", "full 100000"))
+    output = draw(
+        weights(
+            *["memory"] * 30,
+            "gpkg",
+            "gpkg",
+            "geojson",
+            "shp",
+            "unwritable",
+            "folder",
+            "full 3000",
+            "full 30000",
+            "full 100000",
+        )
+    )
     return output, draw(cancels)
 
 
 def common(case, output, cancel):
     lossless = output in ("memory", "gpkg", "geojson")
-    return {**case, "output": output, "cancel": cancel, "may_refuse": case.get("may_refuse") or not lossless or (
-        output != "memory" and case["odd"])}
+    return {
+        **case,
+        "output": output,
+        "cancel": cancel,
+        "may_refuse": case.get("may_refuse") or not lossless or (output != "memory" and case["odd"]),
+    }
 
 
 @st.composite
@@ -115,7 +131,11 @@ def aggregate_cases(draw):
         "brute": True,
     }  # fmt: skip
     if draw(st.integers(0, 3)) == 0:
-        rows = [[one, rng.choice((0.0, 1.0, 3.0, None, 1e300))] for one in classes + ["not there"] if rng.random() < 0.6]
+        rows = [
+            [one, rng.choice((0.0, 1.0, 3.0, None, 1e300))]
+            for one in classes + ["not there"]
+            if rng.random() < 0.6
+        ]
         case["thresholds"] = {one: value for one, value in rows}
         kind = draw(weights("double", "string"))
         rows = [[a, b if kind == "double" or b is None else repr(b)] for a, b in rows]
@@ -141,11 +161,15 @@ def aggregate_cases(draw):
             if rows:
                 rows[0][2] = rng.choice((-1.0, None, float("nan"), float("inf"), 1e308))
         rows.append(["not there", classes[0] if classes else "x", 1.0])
-        case["layers"]["DISTANCES"], case["distance"] = table(
-            [["from", "string"], ["to", "string"], ["distance", "double"]], rows), distance
+        case["layers"]["DISTANCES"], case["distance"] = (
+            table([["from", "string"], ["to", "string"], ["distance", "double"]], rows),
+            distance,
+        )
     if draw(st.integers(0, 19)) == 0:
         bad = True
-        what = draw(weights("THRESHOLD", "WEIGHT_CHANGE", "WEIGHT_BOUNDARY", "WEIGHT_CENTRE", "SECONDS", "REGIONS"))
+        what = draw(
+            weights("THRESHOLD", "WEIGHT_CHANGE", "WEIGHT_BOUNDARY", "WEIGHT_CENTRE", "SECONDS", "REGIONS")
+        )
         parameters[what] = draw(weights(float("nan"), -1.0, float("inf"), "x", 1e308))
         case["brute"] = False
     case["may_refuse"] = bad
@@ -165,24 +189,53 @@ def focus_cases(draw, kinds=("areas", "areas", "lines", "crossing", "points")):
     layers.mutate(rows, draw(st.one_of(layers.gentle, layers.hostile)))
     what = draw(weights(*kinds))
     if what == "lines":
-        rows = [[{**one, "type": "MultiLineString", "parts": [[run] for part in one["parts"] for run in part]}, []]
-                if one else [None, []] for one, _ in rows]
+        rows = [
+            [
+                {
+                    **one,
+                    "type": "MultiLineString",
+                    "parts": [[run] for part in one["parts"] for run in part],
+                },
+                [],
+            ]
+            if one
+            else [None, []]
+            for one, _ in rows
+        ]
     elif what == "crossing":
         rows = [[{"type": "LineString", "dims": "", "parts": [[[
             [rng.uniform(0, nx), rng.uniform(0, ny)] for _ in range(rng.randint(1, 6))]]]}, []]
             for _ in range(rng.randint(1, 6))]  # fmt: skip
     elif what == "points":
-        rows = [[{"type": "Point", "dims": one["dims"], "parts": [[[p]]]}, []]
-                for one, _ in rows if one for p in layers.points_of(one)[:2]]
+        rows = [
+            [{"type": "Point", "dims": one["dims"], "parts": [[[p]]]}, []]
+            for one, _ in rows
+            if one
+            for p in layers.points_of(one)[:2]
+        ]
     for key, row in enumerate(rows):
         row[1] = [key]
     fields = [["key", "integer"]]
     points = [p[:2] for one, _ in rows for p in layers.points_of(one)] or [[0.0, 0.0]]
     focus = []
     for _ in range(draw(weights(1, 1, 1, 2, 3))):
-        shape = draw(weights(
-            *["box"] * 8, *["face"] * 3, "all", "outside", "hole", "hole", "bow", "tiny", "tiny", "nothing", "nan", "curl",
-            "curl"))
+        shape = draw(
+            weights(
+                *["box"] * 8,
+                *["face"] * 3,
+                "all",
+                "outside",
+                "hole",
+                "hole",
+                "bow",
+                "tiny",
+                "tiny",
+                "nothing",
+                "nan",
+                "curl",
+                "curl",
+            )
+        )
         focus.append([_focus(rng, shape, rows, points), [0]])
     other_crs = draw(st.integers(0, 9)) == 0
     case = {
@@ -203,15 +256,22 @@ def focus_cases(draw, kinds=("areas", "areas", "lines", "crossing", "points")):
         for _ in range(draw(st.integers(0, 4))):
             a, b = rng.choice(points), rng.choice(points + [[1e3, 1e3], [float("nan"), 0.0]])
             lines.append([{"type": "LineString", "dims": "", "parts": [[[list(a), list(b)]]]}, [0]])
-        case["layers"]["EDGES"] = layers.layer(lines, fields, crs) if lines else {
-            "type": "LineString", "crs": crs, "fields": fields, "rows": []}
+        case["layers"]["EDGES"] = (
+            layers.layer(lines, fields, crs)
+            if lines
+            else {"type": "LineString", "crs": crs, "fields": fields, "rows": []}
+        )
     if draw(st.integers(0, 4)) == 0:
         along = [[one, [k]] for k, one in enumerate(_along(rng, points))]
-        case["layers"]["ALONG"] = [layers.layer(along, fields, crs),
-                                   {"type": "Point", "crs": "EPSG:4326", "fields": fields, "rows": [[None, [0]]]}]
+        case["layers"]["ALONG"] = [
+            layers.layer(along, fields, crs),
+            {"type": "Point", "crs": "EPSG:4326", "fields": fields, "rows": [[None, [0]]]},
+        ]
         case["parameters"]["CARRIED"] = True
     if draw(st.integers(0, 19)) == 0:
-        case["parameters"][draw(weights("SCALE", "TAU"))] = draw(weights(float("nan"), 0.0, -1.0, float("inf"), "x", 1e6))
+        case["parameters"][draw(weights("SCALE", "TAU"))] = draw(
+            weights(float("nan"), 0.0, -1.0, float("inf"), "x", 1e6)
+        )
     return common(case, *draw(outputs()))
 
 
@@ -302,14 +362,25 @@ STRATEGIES = {
 
 def crowds(side, number):
     """Very many small areas, for each of the tools; the focus is a corner of the map."""
-    rows = [[one, [key]] for key, one in enumerate(layers.tessellation(number, "quads", side, side, 0.0, 0.02))]
+    rows = [
+        [one, [key]] for key, one in enumerate(layers.tessellation(number, "quads", side, side, 0.0, 0.02))
+    ]
     rng = Random(number)
     focus = layers.polygon([[2, 2], [side / 5, 2], [side / 5, side / 5], [2, side / 5], [2, 2]])
-    areas = layers.layer([[one, [rng.choice("abcd"), key]] for one, (key,) in rows],
-                         [["code", "string"], ["key", "integer"]], "EPSG:25832", "gpkg")
+    areas = layers.layer(
+        [[one, [rng.choice("abcd"), key]] for one, (key,) in rows],
+        [["code", "string"], ["key", "integer"]],
+        "EPSG:25832",
+        "gpkg",
+    )
     base = {"layers": {"INPUT": areas}, "fields": {"CLASS": "code"}, "output": "gpkg", "cancel": None, "odd": False,
             "may_refuse": False}  # fmt: skip
-    yield {**base, "tool": "prepareaggregation", "outputs": ["OUTPUT", "ADJACENCY"], "parameters": {"TAU": 2.0}}
+    yield {
+        **base,
+        "tool": "prepareaggregation",
+        "outputs": ["OUTPUT", "ADJACENCY"],
+        "parameters": {"TAU": 2.0},
+    }
     yield {
         **base, "tool": "aggregate", "outputs": ["OUTPUT", "ASSIGNMENT"], "thresholds": {}, "distance": "equal",
         "parameters": {
@@ -346,9 +417,12 @@ def problems(case, counts=None):
         tool = case["tool"]
         counts[f"{tool} cases"] += 1
         counts[f"{tool} features"] += polygons_of(case)
-        for name, holds in (("refused", out.refused), ("cancelled", out.feedback.isCanceled()),
-                            ("compared with the brute force", hasattr(out, "brute")),
-                            ("in files", case["output"] != "memory")):
+        for name, holds in (
+            ("refused", out.refused),
+            ("cancelled", out.feedback.isCanceled()),
+            ("compared with the brute force", hasattr(out, "brute")),
+            ("in files", case["output"] != "memory"),
+        ):
             counts[f"{tool} {name}"] += bool(holds)
     vars(out).clear()  # QGIS keeps the frames of a run that failed, and what is in them
     return wrong
@@ -378,9 +452,16 @@ def attack(tool, number, cases, counts, failures, before=lambda case: None):
     """Draw cases of one tool; count, and save what fails."""
 
     @seed(number)
-    @settings(max_examples=cases, database=None, deadline=None, derandomize=False, print_blob=False,
-              report_multiple_bugs=False, suppress_health_check=list(HealthCheck),
-              phases=(Phase.generate, Phase.shrink))
+    @settings(
+        max_examples=cases,
+        database=None,
+        deadline=None,
+        derandomize=False,
+        print_blob=False,
+        report_multiple_bugs=False,
+        suppress_health_check=list(HealthCheck),
+        phases=(Phase.generate, Phase.shrink),
+    )
     @given(case=STRATEGIES[tool])
     def one(case):
         before(case)
@@ -408,14 +489,31 @@ def main(polygons=20000, number=1, tools=tuple(STRATEGIES)):
 
     while features() < polygons:
         worker = subprocess.Popen(
-            [sys.executable, __file__, "--worker", str(running), str(state), "--seed", str(number), "--batch", str(batch),
-             "--polygons", str(polygons - features()), "--tool", *tools], stdout=subprocess.DEVNULL)
+            [
+                sys.executable,
+                __file__,
+                "--worker",
+                str(running),
+                str(state),
+                "--seed",
+                str(number),
+                "--batch",
+                str(batch),
+                "--polygons",
+                str(polygons - features()),
+                "--tool",
+                *tools,
+            ],
+            stdout=subprocess.DEVNULL,
+        )
         while worker.poll() is None:
             time.sleep(0.5)
             if time.monotonic() - told > 60 and state.exists():
                 told = time.monotonic()
                 made = json.loads(state.read_text())
-                done = features() + sum(n for name, n in made.get("counts", {}).items() if name.endswith("features"))
+                done = features() + sum(
+                    n for name, n in made.get("counts", {}).items() if name.endswith("features")
+                )
                 print(f"  {done} features, {told - begun:.0f} s", flush=True)
             if running.exists() and time.time() - running.stat().st_mtime > HANG:
                 worker.send_signal(signal.SIGKILL)
@@ -480,7 +578,9 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tool", nargs="+", default=list(STRATEGIES), choices=list(STRATEGIES))
     parser.add_argument("--case", help="run a saved case again")
-    parser.add_argument("--crowd", type=int, default=0, help="only one map of N x N small areas for each tool")
+    parser.add_argument(
+        "--crowd", type=int, default=0, help="only one map of N x N small areas for each tool"
+    )
     parser.add_argument("--worker", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--batch", type=int, default=0, help=argparse.SUPPRESS)
     return parser.parse_args()
@@ -497,8 +597,11 @@ if __name__ == "__main__":
             begun = time.monotonic()
             found = problems(each)
             wrong += bool(found)
-            print(f"{polygons_of(each)} areas, {each['tool']}: {time.monotonic() - begun:.0f} s with the checks; "
-                  f"{found[:3] or 'all is well'}", flush=True)
+            print(
+                f"{polygons_of(each)} areas, {each['tool']}: {time.monotonic() - begun:.0f} s with the checks; "
+                f"{found[:3] or 'all is well'}",
+                flush=True,
+            )
         os._exit(bool(wrong))
     elif chosen.case:
         start_qgis()

@@ -41,7 +41,9 @@ def is_tame(shapes):
     tree = shapely.STRtree(known)
     a, b = tree.query(known, predicate="intersects")
     twice = sum(known[i].intersection(known[j]).area for i, j in zip(a, b) if i < j)
-    return twice <= 1e-12 * sum(one.area for one in known) and min(one.area for one in known) > 1e-9 * size**2
+    return (
+        twice <= 1e-12 * sum(one.area for one in known) and min(one.area for one in known) > 1e-9 * size**2
+    )
 
 
 def shared_lengths(shapes):
@@ -69,8 +71,11 @@ def shared_lengths(shapes):
     other = segments[b] - segments[a, :1]
     at = (other * along[:, None]).sum(axis=2)  # where the other's ends are along this, and beside it
     beside = other[..., 0] * along[:, None, 1] - other[..., 1] * along[:, None, 0]
-    slope = np.divide(*np.diff(np.stack((beside, at)), axis=2)[..., 0], out=np.full(len(a), np.inf),
-                      where=at[:, 0] != at[:, 1])
+    slope = np.divide(
+        *np.diff(np.stack((beside, at)), axis=2)[..., 0],
+        out=np.full(len(a), np.inf),
+        where=at[:, 0] != at[:, 1],
+    )
     lo, hi = np.maximum(at.min(axis=1), 0.0), np.minimum(at.max(axis=1), length)
     with np.errstate(invalid="ignore"):
         off = np.maximum(*(np.abs(beside[:, 0] + slope * (end - at[:, 0])) for end in (lo, hi)))
@@ -112,6 +117,8 @@ def messages(case, out):
     for text in [out.refused, *out.feedback.said]:
         if "Traceback" in text or " object at 0x" in text or text == "(no words)" or "None." in text:
             wrong.append(f"unclear message: {text[:300]}")
+    if out.left and (out.refused or out.feedback.isCanceled()):
+        wrong.append(f"half written: {out.left}")
     if out.refused and not case.get("may_refuse"):
         wrong.append(f"refused: {out.refused[:300]}")
     return wrong
@@ -144,7 +151,9 @@ def check_prepare(case, out):
         found.setdefault(piece.attributes()[base], []).append(piece)
     ids = {area.id() for area in areas}
     if set(found) != ids:
-        return [f"areas without a piece: {sorted(ids - set(found))[:5]}, unknown: {sorted(set(found) - ids)[:5]}"]
+        return [
+            f"areas without a piece: {sorted(ids - set(found))[:5]}, unknown: {sorted(set(found) - ids)[:5]}"
+        ]
     numbers = [p.attributes()[base + 1] for p in pieces if p.attributes()[base + 1] != NULL]
     if sorted(numbers) != list(range(1, len(numbers) + 1)):
         wrong.append(f"numbers of pieces: {numbers[:20]}")
@@ -177,7 +186,9 @@ def check_prepare(case, out):
         said = listed.pop(key, 0.0) / metre
         if abs(said - length) > 1e-4 * length:
             wrong.append(f"pieces {key} share {length}, listed {said}")
-    wrong += [f"pieces {key} are no neighbours" for key, length in listed.items() if length > 1e-6 * longest]
+    wrong += [
+        f"pieces {key} are no neighbours" for key, length in listed.items() if length > 1e-6 * longest
+    ]
     return wrong
 
 
@@ -191,8 +202,10 @@ def _edges(geometry):
             ring = part.exteriorRing() if k == 0 else part.interiorRing(k - 1)
             points = [(repr(p.x()), repr(p.y()), repr(p.z()), repr(p.m())) for p in ring.points()]
             flat = [(p.x(), p.y()) for p in ring.points()]
-            turn = sum((a[0] - flat[0][0]) * (b[1] - flat[0][1]) - (b[0] - flat[0][0]) * (a[1] - flat[0][1])
-                       for a, b in zip(flat[:-1], flat[1:]))
+            turn = sum(
+                (a[0] - flat[0][0]) * (b[1] - flat[0][1]) - (b[0] - flat[0][0]) * (a[1] - flat[0][1])
+                for a, b in zip(flat[:-1], flat[1:])
+            )
             steps = [(a, b) for a, b in zip(points[:-1], points[1:]) if a[:2] != b[:2]]
             found += [(b, a) for a, b in steps] if (turn > 0) != (k == 0) else steps
     return found
@@ -391,7 +404,9 @@ def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
             wrong.append("there is no solution, and the tool says it has one")
         return wrong
     if results["TOO_SMALL_COUNT"]:
-        return [f"there is a solution (cost {best}), and {results['TOO_SMALL_COUNT']} regions are too small"]
+        return [
+            f"there is a solution (cost {best}), and {results['TOO_SMALL_COUNT']} regions are too small"
+        ]
     if p["METHOD"] == "exact" and not total <= best * (1 + 1e-5) + 1e-6 * scale:
         wrong.append(f"exact costs {total}, the brute force finds {best}")
     if big is None and not total >= best * (1 - 1e-5) - 1e-6 * scale:
@@ -410,7 +425,6 @@ def _distance(distance, a, b, width):
         same = next(k for k in range(width) if a[k] != b[k])
         return 1.0 - same / width
     return distance.get(f"{a}|{b}", distance.get(f"{b}|{a}"))
-
 
 
 # ---- focusmap
@@ -450,7 +464,7 @@ def check_focus(case, out):
         news.append(new[:, :2])
         start = 0
         for count, closed in rings_of(a.geometry()):
-            runs.append((old[start:start + count, :2], new[start:start + count, :2], closed))
+            runs.append((old[start : start + count, :2], new[start : start + count, :2], closed))
             start += count
         wrong += _kept_shape(a, b, extent)
     if wrong or not olds:
@@ -467,7 +481,9 @@ def check_focus(case, out):
     elif reached != asked:
         wrong.append(f"scale {asked} asked, {reached} reached, and no problem told")
     if out.parameters["FRAME"]:
-        if (new.min(axis=0) < old.min(axis=0) - exact).any() or (new.max(axis=0) > old.max(axis=0) + exact).any():
+        if (new.min(axis=0) < old.min(axis=0) - exact).any() or (
+            new.max(axis=0) > old.max(axis=0) + exact
+        ).any():
             wrong.append("something left the frame")
     _, first, again = np.unique(old + 0.0, axis=0, return_index=True, return_inverse=True)
     if not np.array_equal(new, new[first[again.ravel()]]):
@@ -478,12 +494,19 @@ def check_focus(case, out):
         wrong.append("scale 1 changes the map")
     focus = [shape_of(f) for f in out.rows["FOCUS"]]
     known = [one for one in focus if one is not None]
-    if len(known) == len(focus) == 1 and known[0].is_valid and known[0].geom_type == "Polygon" and not case["other_crs"]:
+    if (
+        len(known) == len(focus) == 1
+        and known[0].is_valid
+        and known[0].geom_type == "Polygon"
+        and not case["other_crs"]
+    ):
         inside = shapely.covers(known[0], shapely.points(old))
         if inside.any():
             expected = new[inside][0] + reached * (old[inside] - old[inside][0])
             if np.abs(new[inside] - expected).max() > 4 * exact * max(1.0, reached):
-                wrong.append(f"the focus is not {reached} times as large: {np.abs(new[inside] - expected).max()}")
+                wrong.append(
+                    f"the focus is not {reached} times as large: {np.abs(new[inside] - expected).max()}"
+                )
     wrong += _crossings(runs)
     edges = out.layers["EDGES_USED"]
     if len(edges) != results["EDGE_COUNT"]:
@@ -591,7 +614,7 @@ def check_aggregation_model(case, out):
         return [f"areas in: {sorted(key)}, out: {sorted(parts)}"]
     for f in rows:
         mine = parts[f.attributes()[len(names) - 1]]
-        if any(one.attributes()[:len(names)] != f.attributes() for one in mine):
+        if any(one.attributes()[: len(names)] != f.attributes() for one in mine):
             wrong.append(f"attributes of area {f.id()} changed")
         labels = [one.attributes()[-4] for one in mine]
         if len(set(map(str, labels))) != len(labels) and not mine[0].attributes()[-1]:
@@ -605,9 +628,10 @@ def check_aggregation_model(case, out):
         found = [one for one in map(shape_of, layer) if one is not None]
         if not shapely.is_valid(found).all():
             wrong.append(f"some of the {name} are not valid")
-        elif shapely.symmetric_difference(shapely.union_all(found), whole).area > 1e-9 * whole.area or abs(
-            sum(one.area for one in found) - whole.area
-        ) > 1e-9 * whole.area:
+        elif (
+            shapely.symmetric_difference(shapely.union_all(found), whole).area > 1e-9 * whole.area
+            or abs(sum(one.area for one in found) - whole.area) > 1e-9 * whole.area
+        ):
             wrong.append(f"the {name} do not fill what the areas fill")
     return wrong
 

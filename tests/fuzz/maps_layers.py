@@ -14,14 +14,38 @@ from random import Random
 import shapely
 from hypothesis import strategies as st
 
-KINDS = {"Point": 1, "LineString": 2, "Polygon": 3, "MultiPoint": 4, "MultiLineString": 5, "MultiPolygon": 6}
+KINDS = {
+    "Point": 1,
+    "LineString": 2,
+    "Polygon": 3,
+    "MultiPoint": 4,
+    "MultiLineString": 5,
+    "MultiPolygon": 6,
+}
 PROJECTED = ("EPSG:25832", "EPSG:3035", "EPSG:2263")  # metres, metres, US feet
 ODD_NAMES = (
     "code", "class", "part", "piece", "area_id", "size", "status", "region", "areas", "core", "changed",
     "new_class", "select", "from", "order", "geom", "geometry", "ogc_fid", "rowid", "класс", "土地",
     "área ß", "a b", 'a"b', "a'b", "a.b", "1", "_", "n" * 300,
 )  # fmt: skip
-ODD_CLASSES = ("a", "A", " a", "a,b", "'", '"', "", "NULL", "nan", "0", "x" * 200, "лес", "🌲", "311", "312", "3")
+ODD_CLASSES = (
+    "a",
+    "A",
+    " a",
+    "a,b",
+    "'",
+    '"',
+    "",
+    "NULL",
+    "nan",
+    "0",
+    "x" * 200,
+    "лес",
+    "🌲",
+    "311",
+    "312",
+    "3",
+)
 
 
 def wkb(geometry):
@@ -32,7 +56,7 @@ def wkb(geometry):
 
     def run(points):
         return struct.pack("<I", len(points)) + b"".join(
-            struct.pack(f"<{2 + len(dims)}d", *(list(p) + [0.0, 0.0])[:2 + len(dims)]) for p in points
+            struct.pack(f"<{2 + len(dims)}d", *(list(p) + [0.0, 0.0])[: 2 + len(dims)]) for p in points
         )
 
     def part(runs, kind):
@@ -59,7 +83,11 @@ def of_shape(shape):
 
 
 def as_multi(geometry):
-    return geometry if geometry["type"].startswith("Multi") else {**geometry, "type": "Multi" + geometry["type"]}
+    return (
+        geometry
+        if geometry["type"].startswith("Multi")
+        else {**geometry, "type": "Multi" + geometry["type"]}
+    )
 
 
 def points_of(geometry):
@@ -85,7 +113,10 @@ def cells(rng, kind, nx, ny):
         for j in range(ny):
             a, b, c, d = (at[p] for p in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
             if kind == "triangles" or not shapely.Polygon([a, b, c, d]).is_valid:
-                reflex = shapely.Polygon([a, b, c]).exterior.is_ccw and shapely.Polygon([a, c, d]).exterior.is_ccw
+                reflex = (
+                    shapely.Polygon([a, b, c]).exterior.is_ccw
+                    and shapely.Polygon([a, c, d]).exterior.is_ccw
+                )
                 faces += [[a, b, c], [a, c, d]] if reflex else [[a, b, d], [b, c, d]]
             else:
                 faces.append([a, b, c, d])
@@ -166,7 +197,7 @@ def straighten(rng, rows):
     row = _some(rng, rows)
     for ring in (run for part in (row[0]["parts"] if row else ()) for run in part):
         for k in range(len(ring) - 2, 0, -1):
-            (ax, ay), (bx, by), (cx, cy) = (p[:2] for p in ring[k - 1:k + 2])
+            (ax, ay), (bx, by), (cx, cy) = (p[:2] for p in ring[k - 1 : k + 2])
             if len(ring) > 4 and (bx - ax) * (cy - by) == (by - ay) * (cx - bx):
                 del ring[k]
 
@@ -228,7 +259,10 @@ def no_geometry(rng, rows):
 def empty(rng, rows):
     row = _some(rng, rows)
     if row:
-        row[0] = {**row[0], "parts": rng.choice(([[]], [[[]]])) if row[0]["type"] == "Polygon" else row[0]["parts"]}
+        row[0] = {
+            **row[0],
+            "parts": rng.choice(([[]], [[[]]])) if row[0]["type"] == "Polygon" else row[0]["parts"],
+        }
 
 
 def flat(rng, rows):
@@ -366,9 +400,13 @@ def area_layers(draw, largest=5, clean=None):
     kind = draw(st.sampled_from(("string", "string", "integer", "double")))
     name = draw(st.sampled_from(("code",) * 20 + ODD_NAMES))
     rng = Random(draw(seeds))
-    classes = [draw(st.sampled_from(("a", "b", "c"))), "b", "c", "d"] if clean else rng.sample(ODD_CLASSES, 4)
-    classes = classes if kind == "string" else [1, 2, 30, 311] if kind == "integer" else [1.0, 2.5, -3.0, 1e12]
-    classes = classes[:draw(st.integers(1, 4))]
+    classes = (
+        [draw(st.sampled_from(("a", "b", "c"))), "b", "c", "d"] if clean else rng.sample(ODD_CLASSES, 4)
+    )
+    classes = (
+        classes if kind == "string" else [1, 2, 30, 311] if kind == "integer" else [1.0, 2.5, -3.0, 1e12]
+    )
+    classes = classes[: draw(st.integers(1, 4))]
     no_class = 0.0 if clean else draw(st.sampled_from((0.0, 0.2)))
     for key, row in enumerate(rows):
         row[1] = [None if rng.random() < no_class else rng.choice(classes), key]

@@ -101,7 +101,9 @@ def model(name):
         model.provider = IsthmusProvider()  # Python must keep it alive
         QgsApplication.processingRegistry().addProvider(model.provider)
     made = QgsProcessingModelAlgorithm()
-    assert made.fromFile(str(Path(__file__).resolve().parents[2] / "resources" / "models" / f"{name}.model3"))
+    assert made.fromFile(
+        str(Path(__file__).resolve().parents[2] / "resources" / "models" / f"{name}.model3")
+    )
     return made
 
 
@@ -186,7 +188,9 @@ def _run(case, folder, frames):
     parameters = dict(case["parameters"])
     inputs = {}
     for name, one in case["layers"].items():
-        many = [open_layer(each, folder) for each in one] if isinstance(one, list) else open_layer(one, folder)
+        many = (
+            [open_layer(each, folder) for each in one] if isinstance(one, list) else open_layer(one, folder)
+        )
         inputs[name] = parameters[name] = many
     for name, field in case.get("fields", {}).items():
         parameters[name] = field_name(inputs["INPUT"], case["layers"]["INPUT"], field)
@@ -200,7 +204,9 @@ def _run(case, folder, frames):
         elif kind.startswith("full"):
             parameters[name] = os.path.join(folder, f"{name}.gpkg")
         elif kind != "memory":  # a table is no shapefile
-            parameters[name] = os.path.join(folder, f"{name}.{'csv' if name == 'ADJACENCY' and kind == 'shp' else kind}")
+            parameters[name] = os.path.join(
+                folder, f"{name}.{'csv' if name == 'ADJACENCY' and kind == 'shp' else kind}"
+            )
         else:
             parameters[name] = "memory:"
     if "CARRIED" in parameters:
@@ -209,7 +215,7 @@ def _run(case, folder, frames):
     context.setProject(QgsProject.instance())
     tool = watched(TOOLS[case["tool"]], crashes) if case["tool"] in TOOLS else model(case["tool"])
     out = SimpleNamespace(
-        refused="", crashes=crashes, results=None, layers={}, inputs=inputs, feedback=feedback, parameters=parameters,
+        refused="", crashes=crashes, left=[], results=None, layers={}, inputs=inputs, feedback=feedback, parameters=parameters,
         rows={name: list(one.getFeatures()) for name, one in inputs.items() if not isinstance(one, list)},
     )  # fmt: skip
     try:
@@ -221,6 +227,8 @@ def _run(case, folder, frames):
         return out
     with _disk(case["output"]):
         results, fine = tool.run(parameters, context, feedback)
+    if case["output"] != "folder":
+        out.left = [one for one in os.listdir(folder) if one.split(".")[0] in [*case["outputs"], "carried"]]
     if not fine:
         out.refused = " ".join(feedback.errors) or "(no words)"
         return out
