@@ -13,7 +13,7 @@ from . import features
 from .solving import measure_of
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
-LARGEST = 1e100  # coordinate; the squares and products of larger ones are no numbers
+LARGEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
 
 
 class Areas(NamedTuple):

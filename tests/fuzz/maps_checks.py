@@ -317,7 +317,8 @@ def check_aggregate(case, out):
             wrong.append(f"region {region} has size {size}, its areas {sum(sizes[k] for k in mine)}")
         if tame and not connected(mine, pairs):
             wrong.append(f"region {region} with areas {mine} is not contiguous")
-        wrong += _region_shape(f, [rows[k] for k in mine], [shapes[k] for k in mine], tame, memory)
+        if case["output"] in ("memory", "gpkg"):  # a GeoJSON is rounded, and takes no NaN
+            wrong += _region_shape(f, [rows[k] for k in mine], [shapes[k] for k in mine], tame, memory)
     if not (tame and planar and memory) or wrong:
         return wrong
     return _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre)
