@@ -1,7 +1,9 @@
 """isthmus:partition in the toolbox: values, units, candidates, bad input, cancel."""
 
 import math
+import struct
 
+import numpy as np
 import pytest
 from qgis.core import (
     NULL,
@@ -195,6 +197,20 @@ def test_bad_geometry_passes_through_with_a_reason(run, layer, feedback, wkt, re
     assert bad["geometry"].asWkb() == original.asWkb()
     assert results["SKIPPED_COUNT"] == 1
     assert [w for w in feedback.warnings if reason in w] == feedback.warnings != []
+
+
+def test_an_empty_ring_in_one_of_several_polygons(run, layer):
+    """It passes through beside those that are cut."""
+    rings = struct.pack("<BIIII", 1, 3, 2, 4, 0)[:13]
+    square = np.array([(40, 0), (41, 0), (41, 1), (40, 0)], dtype="<f8").tobytes()
+    odd = rings + square + struct.pack("<I", 0)
+    good = bytes(QgsGeometry.fromWkt(DUMBBELL).asWkb())
+    geometry = QgsGeometry()
+    geometry.fromWkb(struct.pack("<BII", 1, 6, 2) + odd + good)
+    source = layer("MultiPolygon?crs=EPSG:3857", [(geometry, [])])
+    parts = rows(partition(run, source)["OUTPUT"])
+    assert [p["status"] != "" for p in parts] == [False, False, False, True]
+    assert parts[3]["geometry"].constGet().geometryN(0).asWkb() == odd
 
 
 def test_multipart_features_part_by_part(run, layer):

@@ -125,3 +125,17 @@ def test_tradeoff_to_a_table_file(run, rooms, tmp_path):
     path = str(tmp_path / "steps.csv")
     run("isthmus:tradeoff", {"INPUT": rooms, "TAU_MIN": 2, "OUTPUT": path})
     assert QgsVectorLayer(path).featureCount() >= 3
+
+
+def test_tradeoff_of_a_polygon_whose_area_no_double_holds(run, layer, tmp_path):
+    wkt = "POLYGON((0 0,1e200 0,1e200 1e200,0 1e200,0 0))"
+    report = tmp_path / "report.html"
+    results = run(
+        "isthmus:tradeoff",
+        {"INPUT": layer("Polygon", [(wkt, [])]), "TAU_MIN": 1, "OUTPUT": "memory:",
+         "REPORT": str(report)},
+    )
+    steps = rows(results["OUTPUT"])
+    assert [s["cuts"] for s in steps] == [0, 1]
+    assert {s["largest_part_share"] for s in steps} == {NULL}
+    assert "nan" not in report.read_text(encoding="utf-8")
