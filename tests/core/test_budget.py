@@ -109,3 +109,13 @@ def test_a_dilation_that_does_not_fall_is_the_last(dilation):
 
     assert len(trade_off(solve, 1.0, math.inf).solutions) == 1
     assert smallest_dilation(solve, 1.0)[0].cost == 1.0
+
+
+def test_two_costs_that_differ_by_rounding_are_one_step():
+    def solve(tau):
+        for least, cost in ((5.0, 1.0), (4.0, 2.0 * (1 + 1e-11)), (3.0, 2.0), (1.0, 9.0)):
+            if tau >= least:
+                return Joint([], cost, cost, least)
+
+    steps = trade_off(solve, 1.0, math.inf).solutions
+    assert [(step.cost, step.dilation) for step in steps] == [(1.0, 5.0), (2.0, 3.0), (9.0, 1.0)]
