@@ -35,6 +35,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QDate, QDateTime, QVariant
 
+POLYGONS = QgsWkbTypes.GeometryType.PolygonGeometry
 DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
 
 
@@ -150,6 +151,12 @@ WEIGHTS = {
 }
 BAD_WEIGHTS = ["", "   ", '"no such field"', "1 +", "no_such_function()"]
 CRS = ["EPSG:3857", "EPSG:3857", "EPSG:25832", "EPSG:4326", "EPSG:4326", "", "EPSG:4269", "EPSG:4978"]
+
+ODD_LINES = [
+    None, "LINESTRING EMPTY", "LINESTRING(nan 0,1 1)", "LINESTRING(1 1,1 1)", "LINESTRING(0 0,inf 1)",
+    "MULTILINESTRING((0 0,10 10),(2 2,3 3))", "COMPOUNDCURVE(CIRCULARSTRING(0 0,1 1,2 0))",
+    "MULTILINESTRING EMPTY", "LINESTRING Z(0 0 1,10 10 nan)",
+]  # fmt: skip
 
 usually = st.integers(0, 9)
 
@@ -291,7 +298,9 @@ def _lines(case, seed):
                 lines.append(points)
                 if rng.random() < 0.1:
                     lines.append(points[::-1])
-    return [_line_wkb(points).hex() for points in lines[:3000]]
+    lines = [_line_wkb(points).hex() for points in lines[:3000]]
+    lines[len(lines) // 2:0] = rng.choice(ODD_LINES, 2).tolist()
+    return lines
 
 
 def _line_wkb(points):
@@ -360,7 +369,7 @@ def as_file(layer, driver, folder):
         layer, path, QgsProject.instance().transformContext(), options
     )
     result = QgsVectorLayer(path, "in", "ogr")
-    return result if result.isValid() and result.geometryType() == 2 else None
+    return result if result.isValid() and result.geometryType() == POLYGONS else None
 
 
 # ---------------------------------------------------------------- running

@@ -664,12 +664,30 @@ def check_dilations(case, feature, solved, own, cuts, diagonals, counts, rng):
             room = CLOSE + 1e-13 * graph.perimeter / lines[k].length
             told = math.inf if lines[k].detour is None else lines[k].detour
             assert same(told, d, room), f"detour {told!r}, should be {d!r}"
+        if not graph.simple and case.parameters["MIN_HOLE"] == 0.0 and rng.random() < 0.3:
+            check_needed(graph, lines, edges, tau, floor, counts, rng)
         counts["polygons whose dilations were checked"] += 1
         counts["dilations checked"] += len(some)
         if case.lines is None and floor == 0.0 and graph.simple:
             assert len(lines) == len(graph.xy) - 3, "not all diagonals of a triangulation"
     if len(graphs) == 1:
         check_optimal(case, feature, graphs[0], mine[0], own[0], counts)
+
+
+def check_needed(graph, lines, edges, tau, floor, counts, rng):
+    """Without one of the cuts a ring comes loose, or some candidate is beyond tau."""
+    selected = np.array([d.more[1] == "SELF" for d in lines], dtype=bool)
+    bounded = np.array([d.length >= floor for d in lines], dtype=bool)
+    if not selected.any() or len(lines) > 60:
+        return
+    cut = int(rng.choice(np.flatnonzero(selected)))
+    others = selected.copy()
+    others[cut] = False
+    connected = graph.dilations(edges[others], edges[[cut]])[0] < np.inf
+    dilation = graph.dilations(edges[others], edges[bounded])
+    room = CLOSE + 1e-13 * graph.perimeter / min(d.length for d in lines)
+    assert not connected or dilation.max(initial=0.0) > tau * (1 - room), "a cut is needless"
+    counts["cuts shown to be needed, with holes"] += 1
 
 
 def bound(case, feature, own):
