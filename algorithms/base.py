@@ -1,5 +1,6 @@
 """What all tools share: icon, group, the check for missing packages, layer styles."""
 
+import html
 import sysconfig
 from pathlib import Path
 
@@ -12,7 +13,11 @@ from qgis.core import (
     QgsProcessingLayerPostProcessorInterface,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
+    QgsProcessingUtils,
+    QgsVectorLayer,
+    QgsWkbTypes,
 )
+from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
 from .features import common_type
@@ -25,9 +30,16 @@ WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidit
 
 
 class IsthmusAlgorithm(QgsProcessingAlgorithm):
-    """Base of the tools: a tool adds its texts, its parameters and one call into the core."""
+    """Base of the tools: a tool adds its texts, its parameters and one call into the core.
+
+    Attributes
+    ----------
+    help_text : str
+        HTML of the help panel; the lists of parameters and results come where it has ``{lists}``.
+    """
 
     INPUT = "INPUT"
+    help_text = "{lists}"
 
     def createInstance(self):
         return type(self)()
@@ -56,9 +68,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """Return a sentence about a parameter that cannot be used, or ''."""
         return ""
 
-    def add(self, parameter, help_text, advanced=False):
-        """Add a parameter with its help."""
+    def add(self, parameter, help_text, advanced=False, decimals=None):
+        """Add a parameter with its help; a number may say how many decimals its field shows."""
         parameter.setHelp(help_text)
+        if decimals is not None:
+            parameter.setMetadata({"widget_wrapper": {"decimals": decimals}})
         if advanced:
             flag = QgsProcessingParameterDefinition.Flag.FlagAdvanced
             parameter.setFlags(parameter.flags() | flag)
@@ -69,17 +83,24 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         for name, label in labels:
             self.addOutput(QgsProcessingOutputNumber(name, label))
 
+    def shortHelpString(self):
+        # QGIS shows the help of a parameter in its tool-tip only, and takes each line for a paragraph
+        lists = []
+        for title, wanted in (("Parameters", False), ("Results", True)):
+            items = "".join(
+                f"<p><b>{html.escape(p.description())}</b><br/>{html.escape(p.help())}</p>"
+                for p in self.parameterDefinitions()
+                if p.isDestination() == wanted
+            )
+            lists.append(f"<h3>{title}</h3>{items}")
+        return " ".join(self.help_text.replace("{lists}", "".join(lists)).split())
+
     def source(self, parameters, context):
         """Return the layer INPUT."""
         source = self.parameterAsSource(parameters, self.INPUT, context)
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
         return source
-
-
-def one_line(text):
-    """Return a help text as QGIS wants it: its help panel takes each line for a paragraph."""
-    return " ".join(text.split())
 
 
 def dependency_problem():
@@ -165,13 +186,39 @@ class _Styler(QgsProcessingLayerPostProcessorInterface):
     def postProcessLayer(self, layer, context, feedback):
         layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
         layer.triggerRepaint()
+        lines_on_top(context)
 
 
-_stylers = {}  # Processing does not own them: they must stay alive
+def lines_on_top(context):
+    """Move the lines of a run above its polygons in the layer tree.
+
+    QGIS 3.22 loads results in the order of their ids or paths, each on top of the one before.
+    """
+    polygons, lines = [], []
+    for destination, details in context.layersToLoadOnCompletion().items():
+        layer = QgsProcessingUtils.mapLayerFromString(destination, context, False)
+        if details.project is None or not isinstance(layer, QgsVectorLayer):
+            continue
+        node = details.project.layerTreeRoot().findLayer(layer.id())
+        if node is not None:
+            kind = layer.geometryType()
+            polygons += [node] * (kind == QgsWkbTypes.GeometryType.PolygonGeometry)
+            lines += [node] * (kind == QgsWkbTypes.GeometryType.LineGeometry)
+    for line in lines:
+        group = line.parent()
+        places = [group.children().index(node) for node in polygons if node.parent() == group]
+        if places and min(places) < group.children().index(line):
+            group.insertChildNode(min(places), line.clone())
+            group.removeChildNode(line)
+
+
+_stylers = []  # those that wait for their layer: Python must not delete them
 
 
 def style_on_load(context: QgsProcessingContext, destination, style):
     """Give a result its style if Processing loads it into a project."""
     if destination and context.willLoadLayerOnCompletion(destination):
-        styler = _stylers.setdefault(style, _Styler(style))
+        # one for each result: the context deletes it in the end, whatever the documentation says
+        styler = _Styler(style)
+        _stylers[:] = [old for old in _stylers if not sip.isdeleted(old)] + [styler]
         context.layerToLoadOnCompletionDetails(destination).setPostProcessor(styler)

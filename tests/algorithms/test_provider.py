@@ -2,14 +2,18 @@
 
 import builtins
 import configparser
+import gc
 from pathlib import Path
 
 import pytest
 from qgis.core import (
     QgsApplication,
+    QgsExpressionContext,
+    QgsFeature,
     QgsProcessingContext,
     QgsProcessingParameterDefinition,
     QgsProject,
+    QgsSymbolLayer,
     QgsVectorLayer,
 )
 
@@ -76,19 +80,52 @@ def test_defaults(tools):
     assert parameters["CUTS"].createByDefault() and not parameters["DIAGONALS"].createByDefault()
 
 
-def test_loaded_results_are_styled(provider):
+def load(destinations):
+    """Load results as the window does: each on top of the one before, in the order of their ids."""
     from isthmus.algorithms.base import style_on_load
 
+    project = QgsProject()
     context = QgsProcessingContext()
-    context.setProject(QgsProject.instance())
-    details = QgsProcessingContext.LayerDetails("Parts", QgsProject.instance(), "OUTPUT")
-    for style, kind in (("parts.qml", "categorizedSymbol"), ("cuts.qml", "singleSymbol")):
-        context.addLayerToLoadOnCompletion("there", details)
-        style_on_load(context, "there", style)
-        target = QgsVectorLayer("Polygon" if style == "parts.qml" else "LineString", "x", "memory")
-        processor = context.layerToLoadOnCompletionDetails("there").postProcessor()
-        processor.postProcessLayer(target, context, None)
-        assert target.renderer().type() == kind
+    context.setProject(project)
+    layers = {}
+    for style, kind, name in destinations:
+        layer = QgsVectorLayer(kind, name, "memory")
+        layers[layer.id()] = layer
+        details = QgsProcessingContext.LayerDetails(name, project, name)
+        context.addLayerToLoadOnCompletion(layer.id(), details)
+        style_on_load(context, layer.id(), style)
+    for key, details in context.layersToLoadOnCompletion().items():
+        project.addMapLayer(layers[key])
+        details.postProcessor().postProcessLayer(layers[key], context, None)
+    return project
+
+
+def test_loaded_results_are_styled_and_cuts_lie_on_top(provider):
+    for _ in range(3):  # the context of a run takes its post-processors with it
+        results = (("cuts.qml", "LineString", "Cuts"), ("parts.qml", "Polygon", "Parts"))
+        project = load(results)
+        tree = project.layerTreeRoot().layerOrder()
+        assert [layer.name() for layer in tree] == ["Cuts", "Parts"]
+        assert [layer.renderer().symbol().symbolLayerCount() for layer in tree] == [2, 1]
+        gc.collect()
+
+
+def test_parts_have_eight_colours_whatever_their_fields(qgis_app):
+    for kind in ("Polygon", "Polygon?field=piece:integer"):
+        parts = QgsVectorLayer(kind, "x", "memory")
+        parts.loadNamedStyle(str(ROOT / "resources" / "styles" / "parts.qml"))
+        fill = parts.renderer().symbol().symbolLayer(0)
+        colour = fill.dataDefinedProperties().property(
+            QgsSymbolLayer.Property.PropertyFillColor
+        )
+        colours = set()
+        for number in range(-9, 9):  # new features of a layer in editing have negative ids
+            context = QgsExpressionContext()
+            context.setFeature(QgsFeature(parts.fields(), number))
+            value, valid = colour.valueAsColor(context)
+            assert valid
+            colours.add(value.name())
+        assert len(colours) == 8
 
 
 @pytest.mark.parametrize("absent", [{"shapely"}, {"triangle"}, {"shapely", "triangle"}])
