@@ -50,7 +50,7 @@ ones take seconds, and twenty may take minutes.</p>
 its region's core, the area that gives the region its class.</p>
 <p>The weights given are good for 40 hectares (1:250,000); for another minimum size multiply that of the
 boundary length by the square root of the ratio, and divide that of the centre distance by it.</p>
-<p><b>Beware:</b> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
+<p><i>Beware:</i> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
 one class are merged for their boundary alone. Choose boundaries between <i>classes</i>, raise the
 weight of the centre distance, or fix the number of regions, if you do not want that.</p>
 {lists}

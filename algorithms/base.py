@@ -88,7 +88,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         lists = []
         for title, wanted in (("Parameters", False), ("Results", True)):
             items = "".join(
-                f"<p><b>{html.escape(p.description())}</b><br/>{html.escape(p.help())}</p>"
+                f"<h4>{html.escape(p.description())}</h4><p>{html.escape(p.help())}</p>"
                 for p in self.parameterDefinitions()
                 if p.isDestination() == wanted
             )

@@ -181,7 +181,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             decimals=2,
         )
         add(
-            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map", True),
+            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map (frame)", True),
             "On: the map stays inside the extent that it has, and reaches to its sides. Off: it "
             "grows, the region stays where it is, and the outermost points keep their scale.",
         )

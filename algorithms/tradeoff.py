@@ -5,6 +5,8 @@ from pathlib import Path
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
+    QgsExpression,
+    QgsExpressionContext,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputNumber,
@@ -145,6 +147,7 @@ class TradeoffAlgorithm(PartitionTool):
         if sink is None:
             raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
 
+        name_of = self._names(parameters, context)
         curves, count, skipped = [], 0, 0
         steps = Steps(source, feedback)
         for feature in steps:
@@ -181,7 +184,7 @@ class TradeoffAlgorithm(PartitionTool):
             _, tau, cuts, _, cost, share = map(list, zip(*rows))
             curves.append(
                 {
-                    "name": f"Feature {feature.id()}",
+                    "name": name_of(feature),
                     "unit": UNITS[objective],
                     "tau": tau,
                     "cost": cost,
@@ -202,10 +205,25 @@ class TradeoffAlgorithm(PartitionTool):
             results[self.REPORT] = path
         return results
 
+    def _names(self, parameters, context):
+        """Return the function that names a feature: by the display name of its layer, and its id."""
+        layer = self.parameterAsVectorLayer(parameters, self.INPUT, context)
+        expression = QgsExpression(layer.displayExpression() if layer is not None else "")
+        scopes = QgsExpressionContext()
+
+        def name_of(feature):
+            scopes.setFeature(feature)
+            name = expression.evaluate(scopes)
+            if isinstance(name, str) and name.strip():  # a number would be another id
+                return f"{name.strip()} (feature {feature.id()})"
+            return f"Feature {feature.id()}"
+
+        return name_of
+
     def _write_report(self, path, name, objective, curves):
         intro = [
-            f"Objective: {objective}. Each curve shows the least cost of the cuts for every bound "
-            "tau on the detour.",
+            f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
+            f"detours within it ({objective}).",
             "A long flat stretch means that nothing more is to be gained for a while: good values "
             "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
             "fall of the detour (on a logarithmic scale) for what they cost more.",

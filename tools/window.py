@@ -7,7 +7,6 @@ packages qgis, xvfb and openbox.
 """
 
 import argparse
-import contextlib
 import json
 import os
 import shutil
@@ -44,6 +43,7 @@ UITheme={theme}
 [locale]
 overrideFlag={override}
 userLocale={lang}
+globalLocale={lang}
 
 [Processing]
 Configuration\\MAX_THREADS=1
@@ -243,8 +243,8 @@ def expand(dialog):
     from qgis.PyQt.QtWidgets import QGroupBox
 
     for box in dialog.findChildren(QGroupBox):
-        if hasattr(box, "setCollapsed"):
-            box.setCollapsed(False)
+        if box.property("collapsed"):
+            box.setProperty("collapsed", False)
 
 
 @scene
@@ -377,21 +377,58 @@ def rough_polygon(count):
 
 @scene
 def report(stage):
-    """The report of the trade-off curves, in the results viewer."""
-    from qgis.PyQt.QtWidgets import QDockWidget
-
-    path = str(stage.out / "report.html")
-    dialog = stage.dialog("tradeoff", {"MIN_LENGTH": 20_000, "MIN_HOLE": 1e8, "REPORT": path})
+    """The report of the trade-off curves: where the window lists it, and as a browser shows it."""
+    path = stage.out / "report.html"
+    dialog = stage.dialog("tradeoff", {"MIN_LENGTH": 20_000, "MIN_HOLE": 1e8, "REPORT": str(path)})
     yield 0.7
     dialog.runButton().click()
     yield stage.finished(dialog)
-    yield 1
-    stage.shot("report-log", dialog)
     dialog.close()
-    for dock in stage.window.findChildren(QDockWidget):
-        stage.say("  dock", dock.objectName(), dock.isVisible())
     yield 1
     stage.shot("report-window")
+    try:  # many builds of QGIS are without
+        from qgis.PyQt.QtWebKitWidgets import QWebView
+    except ImportError:
+        return
+    view = QWebView()
+    view.resize(900, 950)
+    view.setHtml(path.read_text(encoding="utf-8"))
+    view.show()
+    yield 2
+    stage.shot("report", view)
+    view.close()
+
+
+@scene
+def others(stage):
+    """What the other tools leave on the map."""
+    from qgis.core import QgsCoordinateReferenceSystem
+
+    dialog = stage.dialog("prepareaggregation", {"CLASS": "NAME", "TAU": 4, "MIN_LENGTH": 20_000})
+    yield 0.7
+    dialog.runButton().click()
+    yield stage.finished(dialog)
+    dialog.close()
+    yield 2
+    stage.shot("pieces-map")
+    import processing
+    from qgis.core import QgsProject
+
+    projected = processing.run("native:reprojectlayer", {
+        "INPUT": stage.countries, "TARGET_CRS": QgsCoordinateReferenceSystem("EPSG:3035"),
+        "OUTPUT": "memory:countries in metres"})["OUTPUT"]
+    stage.project.addMapLayer(projected)
+    dialog = stage.dialog("partition")
+    yield 0.7
+    stage.shot("dialog-metres", dialog)
+    dialog.close()
+    projected.selectByExpression("NAME = 'Greece'")
+    dialog = stage.dialog("focusmap", {"INPUT": "countries in metres"})
+    yield 1
+    dialog.runButton().click()
+    yield 2
+    stage.shot("focusmap-said", dialog)
+    dialog.close()
 
 
 @scene
@@ -417,8 +454,45 @@ def models(stage):
 
 
 @scene
+def selected(stage):
+    """Selected features only, tau by an expression, and what the history keeps of it."""
+    from qgis.core import QgsProcessingFeatureSourceDefinition, QgsProperty
+
+    stage.countries.selectByExpression("NAME IN ('Italy', 'Greece')")
+    parameters = {
+        **CUTTING,
+        "INPUT": QgsProcessingFeatureSourceDefinition(stage.countries.id(), True),
+        "TAU": QgsProperty.fromExpression("if(NAME = 'Italy', 8, 3)"),
+    }
+    dialog = stage.dialog("partition", parameters)
+    yield 0.7
+    stage.shot("selected", dialog)
+    dialog.runButton().click()
+    yield stage.finished(dialog)
+    yield 1
+    stage.shot("selected-map")
+    if hasattr(dialog.algorithm(), "asQgisProcessCommand"):  # QGIS 3.24
+        from qgis.core import QgsProcessingContext
+
+        values = dialog.createProcessingParameters()
+        stage.say(dialog.algorithm().asPythonCommand(values, QgsProcessingContext()))
+        stage.say(dialog.algorithm().asQgisProcessCommand(values, QgsProcessingContext()))
+    dialog.close()
+    try:
+        from processing.gui.HistoryDialog import HistoryDialog
+    except ImportError:  # QGIS 3.26 has another
+        return
+    history = HistoryDialog()
+    history.show()
+    history.tree.setCurrentItem(history.tree.topLevelItem(0).child(0))
+    yield 1
+    stage.shot("history", history)
+    history.close()
+
+
+@scene
 def batch(stage):
-    """The batch window, and the history."""
+    """The batch window."""
     from processing.gui.BatchAlgorithmDialog import BatchAlgorithmDialog
     from qgis.core import QgsApplication
 
@@ -428,6 +502,36 @@ def batch(stage):
     yield 1
     stage.shot("batch", window)
     window.close()
+
+
+@scene
+def readme(stage):
+    """The picture of the README, for a screen of 1280x720: the dialog beside what it made."""
+    from qgis.core import QgsCoordinateReferenceSystem, QgsRectangle
+    from qgis.PyQt.QtCore import Qt
+    from qgis.PyQt.QtWidgets import QDockWidget, QSplitter, QToolBar
+
+    for bar in stage.window.findChildren(QToolBar):
+        bar.hide()
+    canvas = stage.iface.mapCanvas()
+    stage.project.setCrs(QgsCoordinateReferenceSystem("EPSG:3035"))
+    layers = stage.window.findChild(QDockWidget, "Layers")
+    stage.window.resizeDocks([layers], [180], Qt.Orientation.Horizontal)
+    dialog = stage.dialog("partition", CUTTING)
+    yield 0.7
+    dialog.runButton().click()
+    yield stage.finished(dialog)
+    dialog.showParameters()
+    dialog.findChild(QSplitter).setSizes([1, 0])
+    yield 0.3
+    dialog.resize(430, 600)
+    yield 0.3
+    dialog.move(stage.window.width() - dialog.width() - 12, 60)
+    canvas.setExtent(QgsRectangle(4_070_000, 1_480_000, 6_700_000, 2_750_000))
+    canvas.refresh()
+    yield 3
+    stage.shot("readme")
+    dialog.close()
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import builtins
 import configparser
 import gc
+import html
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,9 @@ from qgis.core import (
     QgsExpressionContext,
     QgsFeature,
     QgsProcessingContext,
+    QgsProcessingModelAlgorithm,
     QgsProcessingParameterDefinition,
+    QgsProcessingParameterNumber,
     QgsProject,
     QgsSymbolLayer,
     QgsVectorLayer,
@@ -45,6 +48,69 @@ def test_every_tool_explains_itself(tools):
             assert parameter.help(), (tool.id(), parameter.name())
             hidden = QgsProcessingParameterDefinition.Flag.FlagHidden
             assert parameter.description() and not parameter.flags() & hidden
+
+
+def test_labels_fit_into_the_dialog_as_qgis_opens_it(tools):
+    """The form is 380 pixels wide; a longer label moves the buttons out of sight."""
+    for tool in tools:
+        for parameter in tool.parameterDefinitions():
+            optional = QgsProcessingParameterDefinition.Flag.FlagOptional
+            label = parameter.description() + " [optional]" * bool(parameter.flags() & optional)
+            assert len(label) <= 52, (tool.id(), label)
+
+
+def test_help_panel_lists_everything(tools):
+    for tool in tools:
+        panel = tool.shortHelpString()
+        assert "{" not in panel and "\n" not in panel
+        assert "<b>" not in panel  # QGIS draws it dark in the dark theme, too
+        for parameter in tool.parameterDefinitions():
+            for text in (parameter.description(), parameter.help()):
+                assert html.escape(text) in panel, (tool.id(), parameter.name())
+
+
+def test_numbers_say_their_units_and_show_few_decimals(tools):
+    for tool in tools:
+        for parameter in tool.parameterDefinitions():
+            if parameter.name() in ("MIN_LENGTH", "MIN_HOLE"):
+                assert "layer units" in parameter.description()
+                assert "if degrees" in parameter.description()
+                # a distance parameter says "degrees" beside the field, where metres are meant
+                assert parameter.type() == "number"
+            if parameter.type() == "number" and not parameter.name().startswith("WEIGHT"):
+                whole = parameter.dataType() == QgsProcessingParameterNumber.Type.Integer
+                shown = parameter.metadata().get("widget_wrapper", {}).get("decimals", 6)
+                assert whole or shown <= 3, (tool.id(), parameter.name())
+
+
+def test_the_first_look_is_short(tools):
+    advanced = QgsProcessingParameterDefinition.Flag.FlagAdvanced
+    for tool in tools:
+        plain = [
+            p for p in tool.parameterDefinitions()
+            if not p.isDestination() and not p.flags() & advanced
+        ]
+        assert len(plain) <= 9, (tool.id(), len(plain))
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "resources" / "models").glob("*.model3")), ids=str)
+def test_models_explain_themselves(provider, path):
+    model = QgsProcessingModelAlgorithm()
+    assert model.fromFile(str(path))
+    assert model.helpContent()["ALG_DESC"]
+    components = model.parameterComponents()
+    names = [p.name() for p in model.parameterDefinitions() if not p.isDestination()]
+    assert set(names) == set(components)
+    # the dialog shows them in the order in which they stand below each other in the designer
+    heights = [components[name].position().y() for name in names]
+    assert heights == sorted(heights)
+    for parameter in model.parameterDefinitions():
+        assert parameter.description() and parameter.help(), parameter.name()
+    for child in model.childAlgorithms().values():
+        tool = child.algorithm()
+        assert tool is not None and tool.id().startswith("isthmus:")
+        known = {p.name() for p in tool.parameterDefinitions()}
+        assert set(child.parameterSources()) <= known
 
 
 def test_frozen_names(tools):
