@@ -20,7 +20,7 @@ from qgis.core import (
 from . import areas as layer
 from . import features
 from .aggregation_tables import distances, thresholds
-from .base import IsthmusAlgorithm, Steps, install_hint
+from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
@@ -143,7 +143,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             "The field with the class of each area.",
         )
         add(
-            amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0),
+            amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0, maxValue=LARGEST),
             "How large every region must be at least. Classes in the table of minimum sizes have "
             "their own.",
             decimals=2,

@@ -14,8 +14,6 @@ from qgis.core import (
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingUtils,
-    QgsVectorLayer,
-    QgsWkbTypes,
 )
 from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
@@ -24,6 +22,9 @@ from .features import common_type
 
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
+
+# Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
+LARGEST = 1e18
 
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
@@ -177,48 +178,53 @@ class Steps:
 
 
 class _Styler(QgsProcessingLayerPostProcessorInterface):
-    """Gives a loaded result its style."""
+    """Gives a loaded result its style, and its place among the results of the run."""
 
-    def __init__(self, style):
+    def __init__(self, style, rank):
         super().__init__()
-        self.style = style
+        self.style, self.rank = style, rank
 
     def postProcessLayer(self, layer, context, feedback):
-        layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
-        layer.triggerRepaint()
-        lines_on_top(context)
+        if self.style:
+            layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
+            layer.triggerRepaint()
+        _arrange(context)
 
 
-def lines_on_top(context):
-    """Move the lines of a run above its polygons in the layer tree.
+def _arrange(context):
+    """Put the results of a run into the order of their ranks in the layer tree.
 
-    QGIS 3.22 loads results in the order of their ids or paths, each on top of the one before.
+    QGIS 3.22 loads them in the order of their ids or paths, each on top of the one before.
     """
-    polygons, lines = [], []
+    ranked = {}  # by group
     for destination, details in context.layersToLoadOnCompletion().items():
+        styler = details.postProcessor()
         layer = QgsProcessingUtils.mapLayerFromString(destination, context, False)
-        if details.project is None or not isinstance(layer, QgsVectorLayer):
+        if details.project is None or layer is None or not isinstance(styler, _Styler):
             continue
         node = details.project.layerTreeRoot().findLayer(layer.id())
         if node is not None:
-            kind = layer.geometryType()
-            polygons += [node] * (kind == QgsWkbTypes.GeometryType.PolygonGeometry)
-            lines += [node] * (kind == QgsWkbTypes.GeometryType.LineGeometry)
-    for line in lines:
-        group = line.parent()
-        places = [group.children().index(node) for node in polygons if node.parent() == group]
-        if places and min(places) < group.children().index(line):
-            group.insertChildNode(min(places), line.clone())
-            group.removeChildNode(line)
+            ranked.setdefault(node.parent(), []).append((styler.rank, node))
+    for group, found in ranked.items():
+        places = [group.children().index(node) for _, node in sorted(found, key=lambda f: f[0])]
+        if places == sorted(places):
+            continue
+        top = min(places)
+        for _, node in sorted(found, key=lambda f: -f[0]):
+            group.insertChildNode(top, node.clone())
+            group.removeChildNode(node)
 
 
 _stylers = []  # those that wait for their layer: Python must not delete them
 
 
-def style_on_load(context: QgsProcessingContext, destination, style):
-    """Give a result its style if Processing loads it into a project."""
+def style_on_load(context: QgsProcessingContext, destination, style, rank=1):
+    """Give a result its style, if any, and its place if Processing loads it into a project.
+
+    Results of a lower rank lie above those of a higher one.
+    """
     if destination and context.willLoadLayerOnCompletion(destination):
         # one for each result: the context deletes it in the end, whatever the documentation says
-        styler = _Styler(style)
+        styler = _Styler(style, rank)
         _stylers[:] = [old for old in _stylers if not sip.isdeleted(old)] + [styler]
         context.layerToLoadOnCompletionDetails(destination).setPostProcessor(styler)

@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ..core.errors import Cancelled
 from . import features
-from .base import IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
@@ -67,11 +67,13 @@ class PartitionTool(IsthmusAlgorithm):
     def add_dynamic(self, name, label, default, least, help_text):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
-            name, label, QgsProcessingParameterNumber.Type.Double, default, minValue=least
-        )
+            name, label, QgsProcessingParameterNumber.Type.Double, default,
+            minValue=least, maxValue=LARGEST,
+        )  # fmt: skip
         parameter.setIsDynamic(True)
-        template = QgsPropertyDefinition.StandardPropertyTemplate.DoublePositive
-        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, label, template))
+        kind = QgsPropertyDefinition.DataType.DataTypeNumeric
+        expected = f"number [≥ {least:g}]"
+        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, kind, label, expected))
         parameter.setDynamicLayerParameterName(self.INPUT)
         self.add(parameter, help_text, decimals=2)
 
@@ -122,6 +124,7 @@ class PartitionTool(IsthmusAlgorithm):
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
+                maxValue=LARGEST,
             ),
             "Holes with a smaller area stay holes of a part, and no cut is attached to them. In the "
             "squared units of the layer, or in square metres if its coordinates are degrees.",
@@ -445,8 +448,10 @@ class _Writer:
 
     def results(self):
         """The outputs of the tool; loaded layers get their styles."""
-        style_on_load(self.context, self.destinations.get(self.tool.OUTPUT), "parts.qml")
-        style_on_load(self.context, self.destinations.get(self.tool.CUTS), "cuts.qml")
+        tool, destinations = self.tool, self.destinations
+        style_on_load(self.context, destinations.get(tool.CUTS), "cuts.qml", 0)
+        style_on_load(self.context, destinations.get(tool.DIAGONALS), None, 1)
+        style_on_load(self.context, destinations.get(tool.OUTPUT), "parts.qml", 3)
         return {**self.destinations, **self.numbers}
 
 

@@ -377,6 +377,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 feature.setGeometry(one.moved(result.rows[start:start + count]))
             start += count
             _add(sink, feature)
+        style_on_load(context, destination, None, 2)
         return {self.OUTPUT: destination}
 
     def _write_edges(self, parameters, context, crs, result):
@@ -403,7 +404,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             feature.setGeometry(features.line_geometry(result.moved, ends, 0))
             feature.setAttributes([kind, length, longer])
             _add(sink, feature)
-        style_on_load(context, destination, "cuts.qml")
+        style_on_load(context, destination, "cuts.qml", 0)
         return {self.EDGES_USED: destination}
 
     def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):

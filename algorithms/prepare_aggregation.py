@@ -17,7 +17,7 @@ from qgis.core import (
 
 from . import areas as layer
 from . import features
-from .base import IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
@@ -131,6 +131,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 number.Double,
                 defaultValue=0.0,
                 minValue=0.0,
+                maxValue=LARGEST,
             ),
             "Holes with a smaller area stay holes of a piece, and no cut is attached to them. In the "
             "squared units of the layer, or in square metres if its coordinates are degrees.",

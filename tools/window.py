@@ -33,6 +33,7 @@ projOpenAtLaunch=3
 
 [app]
 projections\\unknownCrsBehavior=NoAction
+projections\\promptWhenMultipleTransformsExist=false
 
 [core]
 NewsFeed\\httpsfeedqgisorg\\disabled=true

@@ -77,6 +77,8 @@ def test_numbers_say_their_units_and_show_few_decimals(tools):
                 assert "if degrees" in parameter.description()
                 # a distance parameter says "degrees" beside the field, where metres are meant
                 assert parameter.type() == "number"
+            if parameter.name() in ("MIN_HOLE", "THRESHOLD", "BUDGET"):
+                assert parameter.maximum() >= 1e15  # the whole earth in square metres
             if parameter.type() == "number" and not parameter.name().startswith("WEIGHT"):
                 whole = parameter.dataType() == QgsProcessingParameterNumber.Type.Integer
                 shown = parameter.metadata().get("widget_wrapper", {}).get("decimals", 6)
@@ -154,12 +156,12 @@ def load(destinations):
     context = QgsProcessingContext()
     context.setProject(project)
     layers = {}
-    for style, kind, name in destinations:
+    for style, kind, name, rank in destinations:
         layer = QgsVectorLayer(kind, name, "memory")
         layers[layer.id()] = layer
         details = QgsProcessingContext.LayerDetails(name, project, name)
         context.addLayerToLoadOnCompletion(layer.id(), details)
-        style_on_load(context, layer.id(), style)
+        style_on_load(context, layer.id(), style, rank)
     for key, details in context.layersToLoadOnCompletion().items():
         project.addMapLayer(layers[key])
         details.postProcessor().postProcessLayer(layers[key], context, None)
@@ -168,11 +170,17 @@ def load(destinations):
 
 def test_loaded_results_are_styled_and_cuts_lie_on_top(provider):
     for _ in range(3):  # the context of a run takes its post-processors with it
-        results = (("cuts.qml", "LineString", "Cuts"), ("parts.qml", "Polygon", "Parts"))
-        project = load(results)
+        project = load(
+            [
+                ("parts.qml", "Polygon", "Parts", 3),
+                (None, "LineString", "All diagonals", 1),
+                ("cuts.qml", "LineString", "Cuts", 0),
+                (None, "Polygon", "Focus map", 2),
+            ]
+        )
         tree = project.layerTreeRoot().layerOrder()
-        assert [layer.name() for layer in tree] == ["Cuts", "Parts"]
-        assert [layer.renderer().symbol().symbolLayerCount() for layer in tree] == [2, 1]
+        assert [layer.name() for layer in tree] == ["Cuts", "All diagonals", "Focus map", "Parts"]
+        assert [layer.renderer().symbol().symbolLayerCount() for layer in tree] == [2, 1, 1, 1]
         gc.collect()
 
 
