@@ -103,7 +103,7 @@ class TradeoffAlgorithm(PartitionTool):
         self.add_candidates()
         self.add(
             QgsProcessingParameterFeatureSink(
-                self.OUTPUT, "Steps", QgsProcessing.SourceType.TypeVector
+                self.OUTPUT, "Trade-off steps", QgsProcessing.SourceType.TypeVector
             ),
             "A table with a row for each step: source (id of the feature), tau (the least dilation "
             "achievable at this cost), cuts, length, cost, largest_part_share (the area of the "
@@ -111,7 +111,7 @@ class TradeoffAlgorithm(PartitionTool):
         )
         self.add(
             QgsProcessingParameterFileDestination(
-                self.REPORT, "Report", "HTML files (*.html)", optional=True
+                self.REPORT, "Trade-off report", "HTML files (*.html)", optional=True
             ),
             "A page with a plot for each feature and the steps that pay off most.",
         )

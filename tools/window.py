@@ -93,7 +93,7 @@ def main():
         done = subprocess.run(
             ["xvfb-run", "-a", "-s", f"-screen 0 {choice.size}x24", "sh", "-c",
              'openbox 2>/dev/null & exec "$@"', "sh",
-             "qgis", "--nologo", "--noversioncheck", "--code", str(start)],
+             "timeout", "1800", "qgis", "--nologo", "--noversioncheck", "--code", str(start)],
             env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
         )  # fmt: skip
     print((out / "said.txt").read_text(encoding="utf-8") if (out / "said.txt").exists() else "")
@@ -155,7 +155,7 @@ class Stage:
                 self.shot("failed")
                 os._exit(1)
             if callable(wanted):
-                asked = wanted, time.monotonic() + 600.0
+                asked = wanted, time.monotonic() + 300.0
                 return later(0.05)
             asked = None, 0.0
             later(wanted)
@@ -210,25 +210,19 @@ class Stage:
         picture.save(str(self.out / f"{name}.png"))
         self.say(f"  {name}.png")
 
-    def dialog(self, tool, parameters=None, size=None):
-        """Open the dialog of a tool; at the size that QGIS gives it if none is given."""
+    def dialog(self, tool, parameters=None):
+        """Open the dialog of a tool of ours, or of a model by its id."""
         import processing
 
         dialog = processing.createAlgorithmDialog(
             tool if ":" in tool else f"isthmus:{tool}", parameters or {}
         )
-        if size:
-            dialog.resize(*size)
         dialog.show()
         return dialog
 
     def finished(self, dialog):
         """Whether the tool that a dialog runs is done."""
         return lambda: dialog.wasExecuted() and dialog.runButton().isEnabled()
-
-    def finished_or_stopped(self, dialog):
-        """Whether the tool that a dialog runs is done, or was cancelled."""
-        return lambda: dialog.runButton().isEnabled()
 
 
 SCENES = {}
@@ -292,7 +286,6 @@ def dialogs(stage):
 @scene
 def result(stage):
     """A run from the dialog: its log, the styled layers, the attribute tables."""
-    from qgis.gui import QgsAttributeTableModel  # noqa: F401
     from qgis.PyQt.QtWidgets import QApplication
 
     dialog = stage.dialog("partition", CUTTING)
@@ -338,7 +331,7 @@ def cancel(stage):
         stage.shot(f"cancel-at-{share}", dialog)
         begun = time.monotonic()
         dialog.cancelButton().click()
-        yield stage.finished_or_stopped(dialog)
+        yield dialog.runButton().isEnabled
         stage.say(f"  cancelled at {share} %: stopped after {time.monotonic() - begun:.2f} s,",
                   f"{len(stage.project.mapLayers()) - layers} new layers")
         yield 1
