@@ -119,7 +119,7 @@ class Sinks:
             self._discard()
             raise QgsProcessingException(message)
         if self._discard() and kind is None:
-            self.feedback.pushInfo("Cancelled: what was half written has been removed.")
+            self.feedback.pushInfo("What was half written has been removed.")
 
     def _is_complete(self, name):
         """Whether a file has all that was written to it."""

@@ -236,6 +236,14 @@ def test_z_and_m_ride_along(run, layer):
     assert all((v.z(), v.m()) == (v.x() + 100, v.y() - 7) for v in vertices)
 
 
+def test_z_is_kept_where_the_layer_does_not_declare_it(run, layer, tmp_path):
+    wkt = "POLYGON Z((0 0 1,9 0 2,9 9 3,0 9 4,0 0 1))"
+    source = layer("Polygon?crs=EPSG:3857", [(wkt, [])])
+    results = partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"))
+    (part,) = rows(QgsVectorLayer(results["OUTPUT"]))
+    assert sorted(v.z() for v in part["geometry"].vertices()) == [1, 1, 2, 3, 4]
+
+
 def test_curves_become_segments(run, layer):
     wkt = "CURVEPOLYGON(COMPOUNDCURVE(CIRCULARSTRING(0 0,5 5,10 0),(10 0,0 0)))"
     source = layer("CurvePolygon?crs=EPSG:3857", [(wkt, [])])
