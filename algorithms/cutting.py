@@ -14,12 +14,13 @@ from qgis.core import (
     QgsProcessingParameters,
     QgsProcessingUtils,
     QgsPropertyDefinition,
+    QgsUnitTypes,
     QgsWkbTypes,
 )
 
 from ..core.errors import Cancelled
 from . import features
-from .base import IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import Sinks, make_fields
@@ -66,19 +67,21 @@ class PartitionTool(IsthmusAlgorithm):
     def add_dynamic(self, name, label, default, least, help_text):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
-            name, label, QgsProcessingParameterNumber.Type.Double, default, minValue=least
-        )
+            name, label, QgsProcessingParameterNumber.Type.Double, default,
+            minValue=least, maxValue=LARGEST,
+        )  # fmt: skip
         parameter.setIsDynamic(True)
-        template = QgsPropertyDefinition.StandardPropertyTemplate.DoublePositive
-        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, label, template))
+        kind = QgsPropertyDefinition.DataType.DataTypeNumeric
+        expected = f"number [≥ {least:g}]"
+        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, kind, label, expected))
         parameter.setDynamicLayerParameterName(self.INPUT)
-        self.add(parameter, help_text)
+        self.add(parameter, help_text, decimals=2)
 
     def add_objective(self):
         self.add(
             QgsProcessingParameterEnum(
                 self.OBJECTIVE,
-                "What to minimize",
+                "What to minimize: number, length or weight of cuts",
                 list(OBJECTIVES),
                 defaultValue=BY_SIZE,
                 usesStaticStrings=True,
@@ -89,13 +92,14 @@ class PartitionTool(IsthmusAlgorithm):
         self.add(
             QgsProcessingParameterExpression(
                 self.WEIGHT,
-                "Weight of a candidate (for MinWeight)",
+                "Weight of a cut (for MinWeight)",
                 parentLayerParameterName=self.INPUT,
                 optional=True,
             ),
-            "An expression for the weight of a candidate, such as @length / @detour. It sees the "
-            "line's geometry, @length, @detour, the fields of the polygon and, where candidate "
-            "lines are given, the fields of the line. Zero makes a cut free.",
+            "An expression for the weight of a possible cut, such as @length / @detour. It sees the "
+            "line's geometry, @length, @detour, the fields of the polygon and, where you give lines "
+            "to choose from, the fields of the line. Zero makes a cut free.",
+            advanced=True,
         )
 
     def add_candidates(self):
@@ -103,35 +107,40 @@ class PartitionTool(IsthmusAlgorithm):
             # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
             QgsProcessingParameterNumber(
                 self.MIN_LENGTH,
-                "Shortest diagonal that counts (layer units; metres for degrees)",
+                "Ignore cuts below (layer units; metres if degrees)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
             ),
-            "Diagonals shorter than this are neither cut nor bounded: creeks and inlets you do not "
-            "care for. A hole may still be connected by a shorter cut. In the units of the layer, "
-            "or in metres if its coordinates are degrees.",
+            "Possible cuts that are shorter than this are left out, whatever the detour: those of "
+            "creeks and inlets you do not care for. A hole may still be connected by a shorter cut. "
+            "In the units of the layer, or in metres if its coordinates are degrees.",
+            decimals=3,
         )
         self.add(
             QgsProcessingParameterNumber(
                 self.MIN_HOLE,
-                "Smallest hole that counts (area in square layer units; square metres for degrees)",
+                "Ignore holes below (layer units²; m² if degrees)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
+                maxValue=LARGEST,
             ),
-            "Holes with a smaller area stay holes of a part, and no cut is attached to them.",
+            "Holes with a smaller area stay holes of a part, and no cut is attached to them. In the "
+            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            decimals=3,
         )
         self.add(
             QgsProcessingParameterFeatureSource(
                 self.CANDIDATES,
-                "Candidate lines",
+                "Lines to choose the cuts from",
                 [QgsProcessing.SourceType.TypeVectorLine],
                 optional=True,
             ),
-            "Your own diagonals to choose the cuts from, instead of a triangulation's. Straight "
-            "lines between two vertices of a polygon that stay inside it. A line that is none is "
-            "reported with its id; where two cross, the shorter one is used.",
+            "Your own lines, instead of the diagonals of a triangulation: straight lines between two "
+            "vertices of a polygon that stay inside it. A line that is none is reported with its "
+            "id; where two cross, the shorter one is used.",
+            advanced=True,
         )
 
     def add_max_gap(self):
@@ -148,6 +157,7 @@ class PartitionTool(IsthmusAlgorithm):
             "proven lower bound a solution may cost. 0 asks for a proof of optimality. MinSize is "
             "always optimal.",
             advanced=True,
+            decimals=3,
         )
 
     def objective_problem(self, parameters, context):
@@ -158,6 +168,9 @@ class PartitionTool(IsthmusAlgorithm):
             value = self.parameterAsDouble(parameters, name, context)
             if not value >= 0.0:
                 return f"{name} must not be negative, and is {value:g}."
+            largest = self.parameterDefinition(name).maximum()
+            if value > largest:
+                return f"{name} must be at most {largest:g}, and is {value:g}."
         if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
             sources = [
                 self.parameterAsSource(parameters, name, context)
@@ -174,6 +187,8 @@ class PartitionTool(IsthmusAlgorithm):
         value = self.parameterAsDouble(parameters, name, context)
         if not least <= value < math.inf:
             return f"{name} must be a number of at least {least:g}, and is {value:g}."
+        if value > LARGEST:
+            return f"{name} must be at most {LARGEST:g}, and is {value:g}."
         return ""
 
     def settings(self, parameters, context, source, feedback, all_dilations=False):
@@ -307,10 +322,12 @@ class CuttingTool(PartitionTool):
                     feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
             if settings.lines:
                 settings.lines.report(feedback)
-        # loaded layers get their styles
-        style_on_load(context, sinks.destinations.get(self.OUTPUT), "parts.qml")
-        style_on_load(context, sinks.destinations.get(self.CUTS), "cuts.qml")
-        return {**sinks.destinations, **writer.numbers}
+        writer.report(feedback)
+        destinations = sinks.destinations  # layers that are loaded get their styles
+        style_on_load(context, destinations.get(self.CUTS), "cuts.qml", 0)
+        style_on_load(context, destinations.get(self.DIAGONALS), None, 1)
+        style_on_load(context, destinations.get(self.OUTPUT), "parts.qml", 3)
+        return {**destinations, **writer.numbers}
 
     def extra_values(self, solved):
         """Return the values of `extra_fields` for a solved feature."""
@@ -324,6 +341,7 @@ class _Writer:
         self.tool, self.sinks = tool, sinks
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
+        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
         line_type = features.line_type(wkb_type)
         part_fields = QgsProcessingUtils.combineFields(
             fields, make_fields(PART_FIELDS + tool.extra_fields)
@@ -414,6 +432,22 @@ class _Writer:
                 line = features.line_geometry(polygon.coords, rows, extra)
                 values = [source, length, _or_null(detour), dilation, ROLES[role]]
                 self.sinks.add(self.tool.DIAGONALS, line, values, origin)
+
+    def report(self, feedback):
+        """Say in the log what was done."""
+        if feedback.isCanceled():
+            feedback.pushWarning("Cancelled: the results are not complete.")
+            return
+        tool, numbers = self.tool, self.numbers
+        length, skipped = numbers[tool.CUT_LENGTH], numbers[tool.SKIPPED_COUNT]
+        text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
+        feedback.pushInfo(
+            f"{numbers[tool.PART_COUNT]:,} parts, made by {numbers[tool.CUT_COUNT]:,} cuts of "
+            f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
+            f"{numbers[tool.MAX_DILATION]:.4g}."
+        )
+        if skipped:
+            feedback.pushInfo(f"{skipped:,} features were not cut: see the field status of the parts.")
 
 
 def _or_null(value):

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import struct
 import traceback
 from pathlib import Path
 
@@ -60,8 +61,7 @@ def add_feature(sink, fields, geometry, values, origin=""):
     if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
         raise QgsProcessingException(
             f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
-            "value too long or of no kind for the format? A GeoPackage takes nearly everything): "
-            f"{sink.lastError()}"
+            f"value too long or unknown to the format?): {sink.lastError()}"
         )
 
 
@@ -119,13 +119,15 @@ class Sinks:
             self._discard()
             raise QgsProcessingException(message)
         if self._discard() and kind is None:
-            self.feedback.pushInfo("Cancelled: what was half written has been removed.")
+            self.feedback.pushInfo("What was half written has been removed.")
 
     def _is_complete(self, name):
         """Whether a file has all that was written to it."""
         path, layer = _path(self.destinations[name]), _layer_name(self.destinations[name])
         if path is None or path.suffix.lower() not in READ_AGAIN:
             return True
+        if path.suffix.lower() == ".shp":
+            return _is_whole_shapefile(path, self._written[name])
         with _quiet() as gdal:
             source = gdal.OpenEx(str(path), gdal.OF_VECTOR)
             table = source and (source.GetLayerByName(layer) if layer else source.GetLayer(0))
@@ -153,6 +155,28 @@ def _path(destination):
     """The file of a destination; None for one in memory or in a database."""
     path = destination.partition("|")[0]
     return Path(path) if os.path.isfile(path) else None
+
+
+def _is_whole_shapefile(path, count):
+    """Whether the files of a shapefile are as long as their headers say, for so many features.
+
+    GDAL would read what there is, and go without attributes that are not.
+    """
+    files = [path, path.with_suffix(".shx"), path.with_suffix(".dbf")]
+    if not all(file.is_file() for file in files):
+        return False
+    heads, sizes = [], [file.stat().st_size for file in files]
+    for file in files:
+        with open(file, "rb") as stream:
+            heads.append(stream.read(32).ljust(32, b"\0"))
+    words, index_words = (struct.unpack_from(">i", head, 24)[0] for head in heads[:2])
+    records, start, length = struct.unpack_from("<IHH", heads[2], 4)
+    return (
+        sizes[0] >= 2 * words > 0
+        and sizes[1] >= 2 * index_words >= 100 + 8 * count
+        and records >= count
+        and sizes[2] >= start + records * length > 0
+    )
 
 
 def _layer_name(destination):

@@ -152,6 +152,9 @@ def trade_off(solve, low, high, most=None):
         if len(solutions) == most:
             return Steps(solutions, False)
         best, following = _tighten(solve, following, low, following.cost)
+        # costs of MinWeight are the same up to rounding: a later, better solution may cost no more
+        if solutions and not _exceeds(best.cost, solutions[-1].cost):
+            solutions.pop()
         solutions.append(best)
     return Steps(solutions, True)
 

@@ -1,7 +1,9 @@
 """isthmus:partition in the toolbox: values, units, candidates, bad input, cancel."""
 
 import math
+import struct
 
+import numpy as np
 import pytest
 from qgis.core import (
     NULL,
@@ -197,6 +199,20 @@ def test_bad_geometry_passes_through_with_a_reason(run, layer, feedback, wkt, re
     assert [w for w in feedback.warnings if reason in w] == feedback.warnings != []
 
 
+def test_an_empty_ring_in_one_of_several_polygons(run, layer):
+    """It passes through beside those that are cut."""
+    rings = struct.pack("<BIIII", 1, 3, 2, 4, 0)[:13]
+    square = np.array([(40, 0), (41, 0), (41, 1), (40, 0)], dtype="<f8").tobytes()
+    odd = rings + square + struct.pack("<I", 0)
+    good = bytes(QgsGeometry.fromWkt(DUMBBELL).asWkb())
+    geometry = QgsGeometry()
+    geometry.fromWkb(struct.pack("<BII", 1, 6, 2) + odd + good)
+    source = layer("MultiPolygon?crs=EPSG:3857", [(geometry, [])])
+    parts = rows(partition(run, source)["OUTPUT"])
+    assert [p["status"] != "" for p in parts] == [False, False, False, True]
+    assert parts[3]["geometry"].constGet().geometryN(0).asWkb() == odd
+
+
 def test_multipart_features_part_by_part(run, layer):
     island = "((30 0,31 0,31 1,30 1,30 0))"
     wkt = f"MULTIPOLYGON({island},({DUMBBELL[8:-1]}),({BOWTIE[8:-1]}))".replace("((((", "(((")
@@ -218,6 +234,14 @@ def test_z_and_m_ride_along(run, layer):
                 for v in p["geometry"].vertices()]
     assert len(vertices) == 7 + 7 + 5 + 2 * 2
     assert all((v.z(), v.m()) == (v.x() + 100, v.y() - 7) for v in vertices)
+
+
+def test_z_is_kept_where_the_layer_does_not_declare_it(run, layer, tmp_path):
+    wkt = "POLYGON Z((0 0 1,9 0 2,9 9 3,0 9 4,0 0 1))"
+    source = layer("Polygon?crs=EPSG:3857", [(wkt, [])])
+    results = partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"))
+    (part,) = rows(QgsVectorLayer(results["OUTPUT"]))
+    assert sorted(v.z() for v in part["geometry"].vertices()) == [1, 1, 2, 3, 4]
 
 
 def test_curves_become_segments(run, layer):

@@ -105,6 +105,19 @@ def test_tradeoff(run, rooms, tmp_path):
     text = report.read_text(encoding="utf-8")
     assert text.count("<svg") == 1 and "http" not in text
     assert re.findall(r"<circle", text)
+    assert "<h2>Feature 1</h2>" in text
+    shown = re.findall(r"<tr><td>([\d.]+)</td><td>(\d+)</td>", text)
+    assert shown
+    for tau, cuts in shown:  # a tau of the report, typed into the dialog, gives what it says
+        assert len(tau.split(".")[1]) == 2
+        assert partition(run, rooms, TAU=float(tau))["CUT_COUNT"] == int(cuts)
+
+
+def test_report_calls_features_by_their_names(run, layer, tmp_path):
+    report = tmp_path / "report.html"
+    source = layer("Polygon?crs=EPSG:3857&field=name:string", [(THREE_ROOMS, ["<Rooms>"])])
+    run("isthmus:tradeoff", {"INPUT": source, "OUTPUT": "memory:", "REPORT": str(report)})
+    assert "<h2>&lt;Rooms&gt; (feature 1)</h2>" in report.read_text(encoding="utf-8")
 
 
 def test_tradeoff_stops_where_it_is_told_to(run, layer, feedback, tmp_path):
@@ -125,3 +138,17 @@ def test_tradeoff_to_a_table_file(run, rooms, tmp_path):
     path = str(tmp_path / "steps.csv")
     run("isthmus:tradeoff", {"INPUT": rooms, "TAU_MIN": 2, "OUTPUT": path})
     assert QgsVectorLayer(path).featureCount() >= 3
+
+
+def test_tradeoff_of_a_polygon_whose_area_no_double_holds(run, layer, tmp_path):
+    wkt = "POLYGON((0 0,1e200 0,1e200 1e200,0 1e200,0 0))"
+    report = tmp_path / "report.html"
+    results = run(
+        "isthmus:tradeoff",
+        {"INPUT": layer("Polygon", [(wkt, [])]), "TAU_MIN": 1, "OUTPUT": "memory:",
+         "REPORT": str(report)},
+    )
+    steps = rows(results["OUTPUT"])
+    assert [s["cuts"] for s in steps] == [0, 1]
+    assert {s["largest_part_share"] for s in steps} == {NULL}
+    assert "nan" not in report.read_text(encoding="utf-8")

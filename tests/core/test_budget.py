@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from isthmus.core.budget import OverBudget, joint_solver, smallest_dilation, trade_off
+from isthmus.core.budget import Joint, OverBudget, joint_solver, smallest_dilation, trade_off
 from isthmus.core.curve import paying_steps
 from isthmus.core.partition import finish, prepare
 
@@ -99,3 +99,23 @@ def test_paying_steps():
     assert paying_steps(tau, cost, most=2) == [1, 2]
     assert paying_steps([64.0, 32.0, 16.0], [0, 1, 2]) == [1, 2]
     assert paying_steps([5.0], [0]) == []
+
+
+@pytest.mark.parametrize("dilation", [2.0, math.inf, math.nan])
+def test_a_dilation_that_does_not_fall_is_the_last(dilation):
+    """Rounding may give back the dilation asked to be beaten: that must not go on for ever."""
+    def solve(tau):
+        return Joint([], 1.0, 1.0, dilation)
+
+    assert len(trade_off(solve, 1.0, math.inf).solutions) == 1
+    assert smallest_dilation(solve, 1.0)[0].cost == 1.0
+
+
+def test_two_costs_that_differ_by_rounding_are_one_step():
+    def solve(tau):
+        for least, cost in ((5.0, 1.0), (4.0, 2.0 * (1 + 1e-11)), (3.0, 2.0), (1.0, 9.0)):
+            if tau >= least:
+                return Joint([], cost, cost, least)
+
+    steps = trade_off(solve, 1.0, math.inf).solutions
+    assert [(step.cost, step.dilation) for step in steps] == [(1.0, 5.0), (2.0, 3.0), (9.0, 1.0)]

@@ -125,6 +125,29 @@ def test_a_neck_can_be_cut_beside_an_islet():
     assert not any(hole.intersects(shapely.LineString(list(edge))) for edge in ends)
 
 
+BY_AN_ULP = [  # GEOS takes the crossing of two lines for a touch: it rounds the point where they meet
+    ([(23, 0), (21, -3.3306690738754696e-16), (21.5, 0.28867513459481275), (22, 0.5773502691896257),
+      (22.5, 0.8660254037844387), (22.5, 0.288675134594813)], (0, 2), (1, 3)),
+    ([(-0.6666666666666666, -0.19245008972987543), (-0.5000000000000002, 0.28867513459481275),
+      (-0.33333333333333376, 0.7698003589195008), (0.6666666666666665, 0.1924500897298754)],
+     (0, 2), (1, 3)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("ring, one, other", BY_AN_ULP)
+def test_lines_that_cross_by_an_ulp(ring, one, other):
+    lines = from_lines(
+        from_rings(*shapes.shape(ring)), [[ring[k] for k in one], [ring[k] for k in other]]
+    )
+    assert len(lines.edges) < 2, "both were accepted, though they cross"
+
+
+def test_a_line_far_off_a_tiny_polygon():
+    s = shapes.SQUARE.mapped(lambda xy: xy * 1e-300)
+    with np.errstate(all="raise"):
+        assert verdicts(s, [(1e9, 0), (1e9, 1)]).verdict.tolist() == [OFF_VERTICES]
+
+
 def test_small_holes_get_no_edges():
     s = shapes.shape(
         shapes.box(0, 0, 20, 10), shapes.box(2, 2, 5, 5)[::-1], shapes.box(14, 4, 16, 6)[::-1])

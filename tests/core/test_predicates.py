@@ -4,7 +4,7 @@ from math import atan2
 import numpy as np
 import pytest
 
-from isthmus.core.predicates import orientation, sort_ccw
+from isthmus.core.predicates import crossing, orientation, orientations, sort_ccw
 
 ULP = 2.0**-53
 
@@ -61,3 +61,22 @@ def test_sort_ccw_of_directions_an_ulp_apart(seed):
     order = sort_ccw((0.5, 0.5), shuffled)
     assert order == spokes[::-1]
     assert all(exact(0.5, 0.5, *a, *b) == 1 for a, b in zip(order, order[1:]))
+
+
+def test_many_turns_at_once():
+    rng = np.random.default_rng(5)
+    points = rng.integers(-4, 5, (3, 500, 2)) * ULP + 0.5
+    expected = [exact(*a, *b, *c) for a, b, c in zip(*points.tolist())]
+    assert orientations(*points).tolist() == expected
+    assert 0 < expected.count(0) < 500
+
+
+def test_segments_cross_where_rational_numbers_say_so():
+    rng = np.random.default_rng(6)
+    one, other = rng.integers(0, 5, (2, 2000, 2, 2)) * ULP + 0.5
+    expected = [
+        exact(*a, *b, *c) * exact(*a, *b, *d) < 0 and exact(*c, *d, *a) * exact(*c, *d, *b) < 0
+        for (a, b), (c, d) in zip(one.tolist(), other.tolist())
+    ]
+    assert crossing(one, other).tolist() == expected
+    assert any(expected) and not all(expected)

@@ -206,3 +206,11 @@ def test_a_wrong_answer_is_never_used(answer, monkeypatch):
     monkeypatch.delattr(shapely, "constrained_delaunay_triangles")
     with pytest.raises(Unsolvable, match="could not be triangulated"):
         diagonals(polygon, engine="triangle")
+
+
+@pytest.mark.parametrize("size", [1e-299, 1e-120, 1e-60])
+def test_degrees_too_small_for_geos(size):
+    """GEOS fails on the map of a polygon with a hole that is this small."""
+    s = shapes.ANNULUS.mapped(lambda xy: xy * size)
+    polygon = from_rings(*s)
+    assert len(diagonals(polygon, metric.ellipsoidal().conformal)) == 8

@@ -35,6 +35,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QDate, QDateTime, QVariant
 
+POLYGONS = QgsWkbTypes.GeometryType.PolygonGeometry
 DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
 
 
@@ -124,8 +125,8 @@ CURVES = [
     "MULTISURFACE(CURVEPOLYGON(CIRCULARSTRING(0 0,5 5,10 0,5 -5,0 0)),((20 0,30 0,30 9,20 0)))",
     "CURVEPOLYGON EMPTY",
 ]
-TAUS = [1.0, 1.0 + 1e-12, 1.001, 1.2, 1.5, 2.0, 3.0, 4.0, 10.0, 100.0, 1e300]
-BAD_TAUS = [0.99, -5.0, math.nan, math.inf]
+TAUS = [1.0, 1.0 + 1e-12, 1.001, 1.2, 1.5, 2.0, 3.0, 4.0, 10.0, 100.0, 1e18]
+BAD_TAUS = [0.99, -5.0, 1e300, math.nan, math.inf]
 # data-defined: the expression, and what it is for the feature with an id; None where it is no number
 BY_FEATURE = {
     "1 + $id": lambda k: 1.0 + k,
@@ -150,6 +151,12 @@ WEIGHTS = {
 }
 BAD_WEIGHTS = ["", "   ", '"no such field"', "1 +", "no_such_function()"]
 CRS = ["EPSG:3857", "EPSG:3857", "EPSG:25832", "EPSG:4326", "EPSG:4326", "", "EPSG:4269", "EPSG:4978"]
+
+ODD_LINES = [
+    None, "LINESTRING EMPTY", "LINESTRING(nan 0,1 1)", "LINESTRING(1 1,1 1)", "LINESTRING(0 0,inf 1)",
+    "MULTILINESTRING((0 0,10 10),(2 2,3 3))", "COMPOUNDCURVE(CIRCULARSTRING(0 0,1 1,2 0))",
+    "MULTILINESTRING EMPTY", "LINESTRING Z(0 0 1,10 10 nan)",
+]  # fmt: skip
 
 usually = st.integers(0, 9)
 
@@ -237,7 +244,7 @@ def _parameters(draw, tool):
         if rare == 0:
             p["TAU"] = draw(st.sampled_from(BAD_TAUS))
     elif tool == "partitionbudget":
-        budgets = st.sampled_from([0.0, 1.0, 2.0, 3.0, 2.5, 10.0, 1e6, 1e300, 1e-300])
+        budgets = st.sampled_from([0.0, 1.0, 2.0, 3.0, 2.5, 10.0, 1e6, 1e18, 1e-300])
         p["BUDGET"] = draw(dynamic if draw(usually) == 0 else budgets)
         if rare == 0:
             p["BUDGET"] = draw(st.sampled_from([-1.0, math.nan, math.inf]))
@@ -253,9 +260,11 @@ def _parameters(draw, tool):
         if draw(usually) == 0:
             p["WEIGHT"] = draw(st.sampled_from(BAD_WEIGHTS))
     p["MIN_LENGTH"] = draw(st.sampled_from([0.0] * 8 + [1e-300, 3.0, 1e5, 1e300]))
-    p["MIN_HOLE"] = draw(st.sampled_from([0.0] * 8 + [1e-300, 2.0, 1e10, 1e300]))
+    p["MIN_HOLE"] = draw(st.sampled_from([0.0] * 8 + [1e-300, 2.0, 1e10, 1e18]))
     if rare == 1:
         p[draw(st.sampled_from(["MIN_LENGTH", "MIN_HOLE"]))] = draw(st.sampled_from([-1.0, math.nan]))
+    if rare == 2:
+        p["MIN_HOLE"] = 1e300
     return p
 
 
@@ -291,7 +300,9 @@ def _lines(case, seed):
                 lines.append(points)
                 if rng.random() < 0.1:
                     lines.append(points[::-1])
-    return [_line_wkb(points).hex() for points in lines[:3000]]
+    lines = [_line_wkb(points).hex() for points in lines[:3000]]
+    lines[len(lines) // 2:0] = rng.choice(ODD_LINES, 2).tolist()
+    return lines
 
 
 def _line_wkb(points):
@@ -360,7 +371,7 @@ def as_file(layer, driver, folder):
         layer, path, QgsProject.instance().transformContext(), options
     )
     result = QgsVectorLayer(path, "in", "ogr")
-    return result if result.isValid() and result.geometryType() == 2 else None
+    return result if result.isValid() and result.geometryType() == POLYGONS else None
 
 
 # ---------------------------------------------------------------- running

@@ -1,4 +1,4 @@
-"""The long run: `./run fuzz [--polygons 100000] [--seed N]`, and `./run fuzz FILE` for one saved case.
+"""The long run: `./run fuzz partition [--polygons 100000] [--seed N]`; with a file: that case again.
 
 Works through the real Processing tools in one QGIS process. A failure is saved under build/fuzz as a case
 that can be run again, made as small as possible, and the run goes on.
@@ -7,6 +7,7 @@ that can be run again, made as small as possible, and the run goes on.
 import argparse
 import faulthandler
 import sys
+import tempfile
 import time
 import traceback
 from pathlib import Path
@@ -163,6 +164,45 @@ def batch(strategy, seed, examples, counts, stop):
     return failed
 
 
+def from_outside(count, seed, counts):
+    """So many cases through qgis_process; returns (path, text) of failures."""
+    import cases
+    import holds
+    import outside
+
+    drawn, failures = [], []
+
+    @hypothesis.seed(seed)
+    @hypothesis.settings(
+        max_examples=4 * count, deadline=None, database=None, phases=[hypothesis.Phase.generate],
+        suppress_health_check=list(hypothesis.HealthCheck),
+    )
+    @hypothesis.given(cases.cases(largest=25))
+    def draw(case):
+        if not any(isinstance(value, dict) for value in case.parameters.values()):
+            drawn.append(case._replace(lines=None))
+
+    draw()
+    outside.prepare()
+    for number, case in enumerate(drawn[:count]):
+        sink = ["gpkg", "shp", "geojson", "gpkg", "nowhere"][number % 5]
+        case = case._replace(sink=sink, room=(None, 20_000, 150_000)[number % 3])
+        try:
+            with tempfile.TemporaryDirectory(prefix="isthmus-fuzz-") as folder:
+                done = outside.run(case, folder)
+                if done is None:
+                    continue
+                end = outside.check(case, folder, done, holds.refusal(case))
+            counts["runs of qgis_process"] += 1
+            counts[f"runs of qgis_process, {end}"] += 1
+        except Exception as error:
+            path = BUILD / f"outside-{seed}-{number}.json"
+            case.save(path, trace=traceback.format_exc())
+            failures.append((path.relative_to(ROOT), f"{type(error).__name__}: {error}"[:2000]))
+            print(f"failure {path}: {failures[-1][1]}", flush=True)
+    return failures
+
+
 def report(counts, failures, seconds, seed, polygons):
     """What was done, as printed."""
     first = ["polygons", "features", "runs", "features solved", "polygons solved",
@@ -230,6 +270,14 @@ def main():
             told = time.monotonic()
             print(f"{counts['polygons']:,} polygons, {len(failures)} failures, {told - begin:.0f} s",
                   flush=True)
+    print(f"{counts['polygons']:,} polygons done; from outside, and a crowd", flush=True)
+    failures += from_outside(max(5, arguments.polygons // 5000), arguments.seed, counts)
+    try:
+        import crowd
+
+        counts.update(crowd.run(arguments.polygons, arguments.seed))
+    except Exception as error:
+        failures.append(("crowd", f"{type(error).__name__}: {error}"))
     report(counts, failures, time.monotonic() - begin, arguments.seed, counts["polygons"])
     return 1 if failures else 0
 

@@ -1,0 +1,104 @@
+"""What is on disk after a run: everything, or nothing."""
+
+import contextlib
+import resource
+import signal
+
+import pytest
+from osgeo import gdal
+from qgis.core import QgsProcessingException, QgsVectorLayer
+
+from .test_partition import BOWTIE, DUMBBELL, partition
+
+MANY = 300
+
+
+@pytest.fixture
+def source(layer):
+    return layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x" * 50])] * MANY)
+
+
+@contextlib.contextmanager
+def full_disk(room):
+    """No file may grow beyond so many bytes."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, old[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+        signal.signal(signal.SIGXFSZ, before)
+
+
+def layers_of(path):
+    source = gdal.OpenEx(str(path))
+    return {
+        source.GetLayer(k).GetName(): source.GetLayer(k).GetFeatureCount()
+        for k in range(source.GetLayerCount())
+    }
+
+
+@pytest.mark.parametrize("ending, room", [
+    ("gpkg", 4_000), ("gpkg", 130_000), ("shp", 4_000), ("shp", 60_000), ("geojson", 4_000),
+    ("geojson", 60_000), ("csv", 20_000),
+])  # fmt: skip
+def test_a_full_disk_is_said_and_leaves_nothing(run, source, tmp_path, ending, room):
+    """A GeoJSON file that broke off used to be called a success."""
+    with full_disk(room), pytest.raises(QgsProcessingException):
+        partition(run, source, OUTPUT=str(tmp_path / f"parts.{ending}"))
+    # a GeoPackage for which there is not even room to be made is left by QGIS, without a layer
+    left = [path for path in tmp_path.iterdir() if (ending, room) != ("gpkg", 4_000)]
+    assert not left
+    partition(run, source, OUTPUT=str(tmp_path / f"parts.{ending}"))
+    assert layers_of(tmp_path / f"parts.{ending}") == {"parts": 3 * MANY}
+
+
+@pytest.mark.parametrize("ending", ["gpkg", "shp", "geojson"])
+def test_a_cancelled_run_leaves_no_file_that_looks_complete(
+    run, source, tmp_path, cancelling, ending
+):
+    feedback = cancelling(cancel_after=MANY // 2)
+    results = partition(
+        run, source, feedback, OUTPUT=str(tmp_path / f"parts.{ending}"),
+        CUTS=str(tmp_path / f"cuts.{ending}"),
+    )
+    assert 0 < results["PART_COUNT"] < 3 * MANY
+    assert "OUTPUT" not in results and "CUTS" not in results
+    assert not list(tmp_path.iterdir())
+    assert any("removed" in text for text in feedback.infos)
+
+
+def test_other_layers_of_a_geopackage_stay(run, source, tmp_path, cancelling):
+    path = tmp_path / "all.gpkg"
+    partition(run, source, OUTPUT=str(path))
+    target = f"ogr:dbname='{path}' table=\"again\" (geom)"
+    partition(run, source, OUTPUT=target)
+    assert layers_of(path) == {"all": 3 * MANY, "again": 3 * MANY}
+    partition(run, source, cancelling(cancel_after=50), OUTPUT=target)
+    assert layers_of(path) == {"all": 3 * MANY}
+    assert QgsVectorLayer(str(path)).isValid()
+
+
+def test_a_cancelled_curve_leaves_no_table_and_no_report(run, source, tmp_path, cancelling):
+    results = run(
+        "isthmus:tradeoff",
+        {"INPUT": source, "OUTPUT": str(tmp_path / "steps.csv"),
+         "REPORT": str(tmp_path / "report.html")},
+        cancelling(cancel_after=50),
+    )  # fmt: skip
+    assert results["STEP_COUNT"] > 0
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_second_result_that_cannot_be_made_takes_the_first_with_it(run, source, tmp_path):
+    with pytest.raises(QgsProcessingException, match="nowhere"):
+        partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"), CUTS="/proc/nowhere/cuts.gpkg")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_format_that_drops_features_is_said(run, layer, tmp_path):
+    source = layer("Polygon?crs=EPSG:3857", [(DUMBBELL, []), (None, []), (BOWTIE, [])])
+    with pytest.raises(QgsProcessingException, match="without geometry"):
+        partition(run, source, OUTPUT=str(tmp_path / "parts.fgb"))
+    assert not list(tmp_path.iterdir())
