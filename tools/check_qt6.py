@@ -11,6 +11,7 @@ import ast
 import enum
 import functools
 import importlib
+import re
 import sys
 from pathlib import Path
 
@@ -33,14 +34,21 @@ class Stubs:
     """
 
     def __init__(self, folder):
-        self.modules = {
-            path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in folder.glob("Qt*.pyi")
-        }
-        if not self.modules:
+        self.modules, self.unread = {}, set()
+        for path in folder.glob("Qt*.pyi"):
+            try:
+                source = path.read_text(encoding="utf-8")
+                # PyQt 6.12 writes (*args, /), which no Python reads
+                self.modules[path.stem] = ast.parse(re.sub(r", /(?=[,)])", "", source))
+            except SyntaxError:
+                self.unread.add(path.stem)
+        if not {"QtCore", "QtGui", "QtWidgets"} <= set(self.modules):
             raise FileNotFoundError(f"no .pyi files of PyQt6 in {folder}")
 
     def problem(self, module, names):
         """Return what PyQt 6 lacks of ``module.names[0].names[1]...``, or ''."""
+        if module in self.unread:
+            return ""
         if module not in self.modules:
             return f"Qt 6 has no module {module}"
         node = self.modules[module]
