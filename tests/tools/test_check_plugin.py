@@ -31,6 +31,11 @@ FILES = {
 }
 
 
+@pytest.fixture(scope="module")
+def check_plugin(tool):
+    return tool("check_plugin")
+
+
 def make(path, files):
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in files.items():

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("qgis.core", reason="these tests need QGIS")
+
 ROOT = Path(__file__).resolve().parents[2]
 CORE = "from qgis.core import Qgis, QgsProcessing, QgsProcessingAlgorithm, QgsWkbTypes\n"
 QT = "from qgis.PyQt.QtCore import QDateTime, QDate, Qt, QVariant\n"
@@ -57,6 +59,11 @@ FINE = [
     "class A:\n Polygon = 1\n def f(self):\n  return self.Polygon",
     CORE + "w = QgsWkbTypes.Type\nx = w.Polygon",
 ]
+
+
+@pytest.fixture(scope="module")
+def check_qt6(tool):
+    return tool("check_qt6")
 
 
 @pytest.mark.parametrize("planted", PLANTED)
