@@ -13,8 +13,9 @@ say() { printf 'isthmus: %s\n' "$*" >&2; }
 die() { say "$@"; exit 1; }
 
 if [ -z "${ISTHMUS_NAMESPACE-}" ]; then
-    ISTHMUS_NAMESPACE=1 exec unshare --mount --pid --fork --kill-child -- bash "${BASH_SOURCE[0]}" "$@" ||
-        die "this machine lets nobody make a mount namespace (a container without the right to?)."
+    unshare --mount true 2>/dev/null ||
+        die "root may not mount here (in a container? start it with --privileged), so that no Debian can run."
+    ISTHMUS_NAMESPACE=1 exec unshare --mount --pid --fork --kill-child -- bash "${BASH_SOURCE[0]}" "$@"
 fi
 snapshot=$1 chroot=$2 user_home=$3
 shift 3
@@ -91,11 +92,12 @@ lend_network() {
 # --- the tests in it --------------------------------------------------------------------------------
 
 put_checkout() {
-    local old=$chroot/root/isthmus
+    local checkout=$chroot/root/isthmus venv=$chroot/root/venv
     # the .venv of the last time stays, it belongs to this Debian
-    [ ! -d "$old/.venv" ] || mv "$old/.venv" "$snapshot/.venv"
-    rm -rf "$old"
-    cp -r --no-preserve=ownership "$snapshot" "$old"
+    [ ! -d "$checkout/.venv" ] || mv "$checkout/.venv" "$venv"
+    rm -rf "$checkout"
+    cp -r --no-preserve=ownership "$snapshot" "$checkout"
+    [ ! -d "$venv" ] || mv "$venv" "$checkout/.venv"
 }
 
 [ -x "$chroot/usr/sbin/chroot" ] || make_chroot
