@@ -11,7 +11,7 @@ CORE = "from qgis.core import Qgis, QgsProcessing, QgsProcessingAlgorithm, QgsWk
 QT = "from qgis.PyQt.QtCore import QDateTime, QDate, Qt, QVariant\n"
 
 PLANTED = {
-    "unscoped, QGIS": (CORE + "x = QgsWkbTypes.Polygon", "QgsWkbTypes.Type.Polygon"),
+    "unscoped, QGIS": (CORE + "x = QgsWkbTypes.Polygon", "Type.Polygon"),
     "unscoped, in a call": (CORE + "f(a=[QgsProcessing.TypeVectorPolygon])", "SourceType"),
     "unscoped, Qt": (QT + "x = Qt.Horizontal", "Qt.Orientation.Horizontal"),
     "unscoped, by module": ("import qgis.core\nx = qgis.core.QgsWkbTypes.Polygon", "Type.Polygon"),
