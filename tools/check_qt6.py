@@ -214,15 +214,14 @@ class Lint(ast.NodeVisitor):
         except Unknown:
             scoped = name[0].isupper() and enum_members().get(name)
             if scoped and self._may_be_of_qgis(owner, name):
-                self.fault(node, f"{text}.{name} is not in the scope of its enum: {scoped}.{name}")
+                self.fault(node, f"{text}.{name} is not in the scope of its enum: {scoped}")
             return
         if isinstance(found, type) and not hasattr(found, name):
             self.fault(node, f"{text} has no {name} in this QGIS")
             return
         kind = type(getattr(found, name, None))
         if is_enum(kind) and not is_enum(found):
-            scoped = f"{kind.__qualname__}.{name}"
-            self.fault(node, f"{text}.{name} is not in the scope of its enum: {scoped}")
+            self.fault(node, f"{text}.{name} is not in the scope of its enum: {scope(found, name)}")
         elif self.stubs:
             self._check_qt(node)
 
@@ -286,6 +285,13 @@ def is_enum(kind):
     return isinstance(kind, type) and (issubclass(kind, enum.Enum) or type(kind).__name__ == "enumtype")
 
 
+def scope(owner, name):
+    """Return an enum member of a class with its scope, by the names that all versions of QGIS know."""
+    kind = type(getattr(owner, name))
+    known = [key for key in dir(owner) if getattr(owner, key, None) is kind]
+    return f"{owner.__name__}.{known[0]}.{name}" if known else f"{kind.__qualname__}.{name}"
+
+
 @functools.cache
 def enum_members():
     """Return the enum members that a class of QGIS or Qt has out of scope, with their scopes."""
@@ -294,7 +300,7 @@ def enum_members():
         for owner in vars(importlib.import_module(f"qgis.{module}")).values():
             for name, value in vars(owner).items() if isinstance(owner, type) else ():
                 if is_enum(type(value)) and not is_enum(owner):
-                    members.setdefault(name, type(value).__qualname__)
+                    members.setdefault(name, scope(owner, name))
     return members
 
 

@@ -11,7 +11,7 @@ CORE = "from qgis.core import Qgis, QgsProcessing, QgsProcessingAlgorithm, QgsWk
 QT = "from qgis.PyQt.QtCore import QDateTime, QDate, Qt, QVariant\n"
 
 PLANTED = {
-    "unscoped, QGIS": (CORE + "x = QgsWkbTypes.Polygon", "Type.Polygon"),
+    "unscoped, QGIS": (CORE + "x = QgsWkbTypes.Polygon", "QgsWkbTypes.Type.Polygon"),
     "unscoped, in a call": (CORE + "f(a=[QgsProcessing.TypeVectorPolygon])", "SourceType"),
     "unscoped, Qt": (QT + "x = Qt.Horizontal", "Qt.Orientation.Horizontal"),
     "unscoped, by module": ("import qgis.core\nx = qgis.core.QgsWkbTypes.Polygon", "Type.Polygon"),
@@ -20,7 +20,7 @@ PLANTED = {
     "unscoped, by getattr": (CORE + "x = getattr(QgsWkbTypes, 'Polygon')", "Type.Polygon"),
     "unscoped, of a base": (
         "from qgis.core import QgsProcessingParameterNumber as P\nx = P.FlagAdvanced",
-        "QgsProcessingParameterDefinition.Flag.FlagAdvanced",
+        "QgsProcessingParameterNumber.Flag.FlagAdvanced",
     ),
     "unscoped, of self": (
         CORE + "class A(QgsProcessingAlgorithm):\n def flags(self):\n  return self.FlagHideFromModeler",
