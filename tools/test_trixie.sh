@@ -25,10 +25,12 @@ shift 3
 get_debootstrap() {
     command -v debootstrap >/dev/null && return
     command -v apt-get >/dev/null || die "please install debootstrap first."
-    say "installing debootstrap"
-    apt-get -qq update </dev/null >&2
-    DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends \
-        debootstrap debian-archive-keyring </dev/null >&2
+    say "installing debootstrap (log: $chroot.log)"
+    {
+        apt-get -q update &&
+            DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends \
+                debootstrap debian-archive-keyring
+    } </dev/null >"$chroot.log" 2>&1 || { tail -n 5 "$chroot.log" >&2; die "apt-get could not install it."; }
 }
 
 mirror() {
