@@ -241,6 +241,11 @@ def scan(folder, programs):
     return {"Bandit, all severities": bandit, "detect-secrets": secrets, "flake8": style}
 
 
+def count(sentences):
+    """Return how many faults there are, in words."""
+    return "ok" if not sentences else "1 fault" if len(sentences) == 1 else f"{len(sentences)} faults"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("zip", type=Path)
@@ -261,7 +266,7 @@ def main():
         checks |= scan(folder, options.programs)
 
     for check, sentences in checks.items():
-        print(f"{check}: {f'{len(sentences)} faults' if sentences else 'ok'}")
+        print(f"{check}: {count(sentences)}")
         for sentence in sentences:
             print(f"    {sentence}")
     for note in notes:

@@ -330,15 +330,17 @@ def main():
     parser.add_argument("--stubs", type=Path, help="folder of the Python package PyQt6")
     options = parser.parse_args()
     stubs = options.stubs and Stubs(options.stubs)
-    files, found = list(python_files(options.paths)), 0
-    for path in files:
-        for line, text in faults(path.read_text(encoding="utf-8"), stubs):
-            found += 1
-            print(f"{path}:{line}: {text}")
+    files = list(python_files(options.paths))
+    found = [
+        f"    {path}:{line}: {text}"
+        for path in files
+        for line, text in faults(path.read_text(encoding="utf-8"), stubs)
+    ]
     from qgis.core import Qgis
 
     against = f"QGIS {Qgis.QGIS_VERSION}" + (" and PyQt 6" if stubs else "")
-    print(f"Qt 6: {f'{found} faults' if found else 'ok'} ({len(files)} files, by the classes of {against})")
+    verdict = "ok" if not found else "1 fault" if len(found) == 1 else f"{len(found)} faults"
+    print(f"Qt 6: {verdict} ({len(files)} files, by the classes of {against})", *found, sep="\n")
     return bool(found)
 
 
