@@ -96,6 +96,7 @@ class Lint(ast.NodeVisitor):
         self.names = {}  # name in the file -> object of QGIS or Qt
         self.qt = {}  # name in the file -> (module of PyQt, [names])
         self.foreign = set()  # names in the file of something else
+        self.guarded = False  # whether an import that fails is caught
         self.classes = []  # the names that the classes around the current node define
 
     def fault(self, node, text):
@@ -129,12 +130,23 @@ class Lint(ast.NodeVisitor):
             try:
                 found = self._import(module, alias.name)
             except (ImportError, AttributeError):
-                self.fault(node, f"{module} has no {alias.name} in this QGIS")
+                if not self.guarded:
+                    self.fault(node, f"{module} has no {alias.name} in this QGIS")
                 continue
             name = alias.asname or alias.name
             self.names[name] = found
             if module.startswith("qgis.PyQt"):
                 self._remember_qt(node, name, [*module.split(".")[2:], alias.name])
+
+    def visit_Try(self, node):
+        caught = " ".join(ast.unparse(handler.type) for handler in node.handlers if handler.type)
+        before = self.guarded
+        self.guarded = before or "ImportError" in caught
+        for part in node.body:
+            self.visit(part)
+        self.guarded = before
+        for part in [*node.handlers, *node.orelse, *node.finalbody]:
+            self.visit(part)
 
     def _import(self, module, name):
         found = importlib.import_module(module)
@@ -148,7 +160,9 @@ class Lint(ast.NodeVisitor):
             return
         self.qt[name] = (path[0], path[1:])
         problem = self.stubs and self.stubs.problem(path[0], path[1:])
-        if problem:
+        if problem and self.guarded:
+            del self.qt[name]  # what follows is for Qt 5 alone
+        elif problem:
             self.fault(node, problem)
 
     def _check_module(self, node, module):

@@ -102,6 +102,8 @@ def stubs(check_qt6, tmp_path):
     ("from qgis.PyQt.QtCore import Qt\nx = Qt.Orientation.Vertical", "no QtCore.Qt.Orientation.Vertical"),
     ("from qgis.PyQt.QtCore import Qt\nx = Qt.Horizontal", "Qt.Orientation.Horizontal"),
     ("from qgis.PyQt.QtCore import QTimer\nx = QTimer.timeout, QTimer.parent", None),
+    ("try:\n from qgis.PyQt.QtCore import QRegExp as R\nexcept ImportError:\n R = None", None),
+    ("try:\n x = 1\nexcept ImportError:\n from qgis.PyQt.QtCore import QRegExp", "no QtCore.QRegExp"),
     ("from qgis.PyQt.QtCore import Qt\nx = Qt.Orientation.Horizontal", None),
 ])  # fmt: skip
 def test_what_qt_6_lacks(check_qt6, stubs, source, words):
