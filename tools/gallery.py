@@ -67,7 +67,7 @@ def solved(tool, path, name, extra=(), **parameters):
     polygons = shapes(opened(path))
     noted = {
         "command": done.command,
-        "vertices": int(sum(shapely.get_num_coordinates(shapely.get_rings(polygons)) - 1)),
+        "vertices": int(sum(shapely.get_num_coordinates(shapely.get_rings(shapely.get_parts(polygons))) - 1)),
         "islands": int(shapely.get_num_interior_rings(shapely.get_parts(polygons)).sum()),
         "parts": results["PART_COUNT"],
         "cuts": results["CUT_COUNT"],
@@ -109,10 +109,10 @@ def western_europe():
         if objective == "MinLength":
             names = [
                 ("Iberia", -4.3, 39.9, {"size": 12}), ("Brittany", -3.4, 47.0, {"size": 9}),
-                ("Southern\nItaly", 13.0, 39.9, {"size": 9}), ("Jutland", 6.6, 55.9, {"size": 9}),
-                ("Istria", 15.6, 45.05, {"size": 8}), ("Salento", 18.75, 39.55, {"size": 8}),
+                ("Southern\nItaly", 12.6, 39.9, {"size": 9}), ("Jutland", 6.3, 56.2, {"size": 9}),
+                ("Istria", 15.9, 45.05, {"size": 8}), ("Salento", 18.9, 39.5, {"size": 8}),
                 ("Calabria", 17.9, 38.4, {"size": 8}), ("Greece", 21.3, 39.75, {"size": 10}),
-                ("Morea", 22.2, 36.35, {"size": 9}),
+                ("Peloponnese", 19.2, 37.0, {"size": 8}),
             ]  # fmt: skip
         title = (
             f"{objective}: {noted[objective]['cuts']} cuts, {noted[objective]['km']:,.0f} km in all"
@@ -120,7 +120,7 @@ def western_europe():
         panels.append(
             Panel(
                 [line(cuts), coloured(parts, cuts, LAND_PARTS), around],
-                frame_of(crs, -7.4, 37.2, 22.6, 55.5), crs, title, names, scale=500_000,
+                (2_620_000, 1_560_000, 5_700_000, 3_850_000), crs, title, names, scale=500_000,
             )
         )  # fmt: skip
     picture("western_europe", panels)
@@ -138,10 +138,10 @@ def eurasia():
     names = [
         ("Iberia", -4.0, 40.0, {"size": 9}), ("Europe", 24, 51.5, {"size": 14}),
         ("Italy", 7.2, 40.4, {"size": 9}), ("Jutland", 4.0, 57.3, {"size": 8}),
-        ("Scandinavia", 5.5, 66.5, {"size": 9}), ("Kola", 43.5, 68.6, {"size": 8}),
+        ("Scandinavia", 5.5, 66.5, {"size": 9}), ("France", 1.6, 47.2, {"size": 8}),
         ("Anatolia", 33.5, 39.0, {"size": 10}), ("Arabia", 45.5, 23.5, {"size": 13}),
         ("Kathiawar", 65.5, 20.0, {"size": 8}), ("Indochina", 104.3, 16.0, {"size": 10}),
-        ("Malaya", 106.0, 4.2, {"size": 9}), ("Kamchatka", 165.5, 56.0, {"size": 9}),
+        ("Malaya", 106.0, 4.2, {"size": 9}), ("Kra", 96.6, 9.0, {"size": 8}), ("Kamchatka", 165.5, 56.0, {"size": 9}),
         ("Chukotka", 174, 67.0, {"size": 10}), ("Korea", 131.3, 36.0, {"size": 9}),
         ("Yamal", 70.0, 74.0, {"size": 8}), ("Taymyr", 100.0, 79.3, {"size": 9}),
         ("Asia", 92, 48, {"size": 19, "spacing": 6}),
@@ -167,22 +167,22 @@ def mediterranean():
         ("Ligurian Sea and\nGulf of Lion", 6.3, 41.1, {"size": 8.5}),
         ("Tyrrhenian\nSea", 12.0, 39.9, {"size": 9}), ("Ionian Sea and Gulf of Sidra", 17.8, 34.6, {"size": 10}),
         ("Adriatic Sea", 17.25, 42.35, {"size": 8.5, "angle": -38}),
-        ("Aegean\nSea", 25.0, 39.4, {"size": 8}), ("Sea of Crete", 25.1, 36.0, {"size": 8}),
+        ("Aegean\nSea", 25.0, 39.45, {"size": 7.5}), ("Sea of Crete", 25.1, 36.0, {"size": 8}),
         ("Levantine Sea", 29.3, 33.7, {"size": 10}),
         ("Black Sea, west", 31.2, 43.4, {"size": 9}), ("Black Sea, east", 37.1, 43.1, {"size": 9}),
-        ("Sea of\nAzov", 36.7, 46.15, {"size": 7.5}), ("Marmara", 28.2, 40.2, {"size": 7.5}),
+        ("Sea of\nAzov", 36.7, 46.15, {"size": 7.5}), ("Marmara", 28.6, 39.9, {"size": 7.5}),
     ]  # fmt: skip
     picture(
         "mediterranean",
         [Panel([line(cuts), coloured(parts, cuts, WATER_PARTS), land()],
-               frame_of(crs, -6.0, 30.8, 38.5, 46.6), crs,
+               frame_of(crs, -6.0, 30.3, 38.5, 47.0), crs,
                names=[(t, x, y, {**blue, **o}) for t, x, y, o in names], scale=500_000)],
     )  # fmt: skip
     return noted
 
 
 def baltic():
-    path = sea("baltic", (9.6, 53.0, 31.0, 66.2), (18.0, 56.0))
+    path = sea("baltic", (8.2, 53.0, 31.0, 66.2), (18.0, 56.0))
     parts, cuts, noted = solved(
         "isthmus:partition", path, "baltic",
         TAU=4, OBJECTIVE="MinLength", MIN_LENGTH=20000, MIN_HOLE=1_000_000_000,
@@ -192,12 +192,12 @@ def baltic():
     names = [
         ("Bothnian Bay", 23.6, 65.0), ("Bothnian Sea", 19.3, 61.8), ("Gulf of\nFinland", 27.3, 59.95),
         ("Gulf of\nRiga", 23.55, 57.6), ("Baltic Proper", 18.3, 55.4), ("Arkona\nBasin", 13.4, 54.95),
-        ("Kattegat", 11.55, 56.75), ("Northern\nBaltic", 20.2, 58.7),
+        ("Kattegat", 11.55, 56.75), ("Skagerrak", 9.75, 58.35), ("Northern\nBaltic", 20.2, 58.7),
     ]  # fmt: skip
     picture(
         "baltic",
         [Panel([line(cuts), coloured(parts, cuts, WATER_PARTS), land()],
-               frame_of(crs, 9.9, 53.6, 30.5, 65.9), crs,
+               frame_of(crs, 9.4, 53.6, 30.5, 65.9), crs,
                names=[(t, x, y, blue) for t, x, y in names], scale=200_000, corner="right")],
         width=900,
     )  # fmt: skip
@@ -208,21 +208,21 @@ def arabia():
     path = sea("arabia", (31.0, 8.0, 62.0, 32.0), (38.0, 20.0))
     parts, cuts, noted = solved(
         "isthmus:partition", path, "arabia",
-        TAU=4, OBJECTIVE="MinLength", MIN_LENGTH=20000, MIN_HOLE=1_000_000_000,
+        TAU=4, OBJECTIVE="MinLength", MIN_LENGTH=20000, MIN_HOLE=5_000_000_000,
     )  # fmt: skip
     crs = "+proj=laea +lat_0=22 +lon_0=47"
     blue = {"colour": "#1d4e6b", "italic": True, "halo": "", "size": 9}
     names = [
-        ("Red Sea", 38.2, 20.4, {"angle": -58}), ("Gulf of Aden", 47.4, 12.3, {}),
-        ("Persian Gulf", 51.9, 26.6, {"angle": -28}), ("Arabian Sea", 59.5, 15.5, {"size": 12}),
-        ("Gulf of\nOman", 60.0, 24.2, {}), ("Gulf of\nSuez", 31.6, 28.6, {"size": 8}),
+        ("Red Sea", 39.0, 18.4, {"angle": -55, "size": 11}), ("Gulf of\nAden", 45.9, 12.0, {}),
+        ("Persian Gulf", 51.9, 26.6, {"angle": -28}), ("Arabian Sea", 58.3, 15.0, {"size": 12}),
+        ("Gulf of\nOman", 59.2, 24.4, {}), ("Gulf of\nSuez", 31.6, 28.6, {"size": 8}),
         ("Gulf of\nAqaba", 36.1, 28.6, {"size": 8}), ("Strait of Hormuz", 57.4, 27.6, {"size": 8}),
         ("Bab el Mandeb", 40.6, 12.6, {"size": 8}),
     ]  # fmt: skip
     picture(
         "arabia",
         [Panel([line(cuts), coloured(parts, cuts, WATER_PARTS), land()],
-               frame_of(crs, 32.5, 10.2, 61.0, 30.6), crs,
+               frame_of(crs, 32.5, 10.4, 60.0, 30.6), crs,
                names=[(t, x, y, {**blue, **o}) for t, x, y, o in names], scale=500_000)],
         width=1000,
     )  # fmt: skip
@@ -241,11 +241,11 @@ def great_lakes():
     blue = {"colour": "#1d4e6b", "italic": True, "halo": "", "size": 9}
     names = [
         ("Lake Superior", -86.9, 47.6, {"size": 12}), ("Lake\nMichigan", -87.1, 43.4, {"size": 12}),
-        ("Lake Huron", -82.5, 45.0, {"size": 12}), ("Georgian\nBay", -80.75, 44.9, {}),
-        ("North Channel", -82.6, 46.5, {"size": 8, "halo": "#ffffff"}), ("Saginaw\nBay", -84.3, 43.65, {"halo": "#ffffff"}),
+        ("Lake Huron", -82.5, 45.0, {"size": 12}), ("Georgian\nBay", -81.15, 45.5, {}),
+        ("North Channel", -82.4, 46.42, {"size": 8, "halo": "#ffffff"}), ("Saginaw\nBay", -84.3, 43.65, {"halo": "#ffffff"}),
         ("Green\nBay", -88.7, 44.9, {"halo": "#ffffff"}), ("Whitefish\nBay", -84.7, 46.2, {"size": 8, "halo": "#ffffff"}),
-        ("Straits of\nMackinac", -84.75, 45.55, {"size": 8, "halo": "#ffffff"}),
-        ("Soo", -84.0, 46.6, {"size": 8, "halo": "#ffffff"}),
+        ("Straits of\nMackinac", -84.6, 45.4, {"size": 8, "halo": "#ffffff"}),
+        ("St. Marys\nRiver", -83.75, 46.75, {"size": 8, "halo": "#ffffff"}),
     ]  # fmt: skip
     picture(
         "great_lakes",
@@ -286,11 +286,11 @@ def river():
     crs = "+proj=laea +lat_0=45.7 +lon_0=-73.6"
     blue = {"colour": "#1d4e6b", "italic": True, "size": 9}
     names = [
-        ("Lac Saint-Pierre", -72.85, 46.35, {"size": 10}), ("Lac\nSaint-Louis", -73.72, 45.27, {}),
-        ("Lac des\nDeux Montagnes", -74.2, 45.58, {}), ("Lac Saint-François", -74.1, 45.03, {}),
-        ("Ottawa", -75.35, 45.7, {"angle": 18}), ("Saint Lawrence", -74.75, 45.13, {"angle": 34}),
-        ("Montréal", -73.66, 45.52, {"italic": False, "colour": "#2f3437", "size": 11}),
-        ("Laval", -73.79, 45.63, {"italic": False, "colour": "#2f3437", "size": 9}),
+        ("Lac Saint-Pierre", -72.85, 46.35, {"size": 10}), ("Lac\nSaint-Louis", -73.72, 45.31, {}),
+        ("Lac des\nDeux Montagnes", -74.2, 45.58, {}), ("Lac\nSaint-François", -74.12, 45.1, {}),
+        ("Ottawa River", -75.2, 45.72, {"angle": 18}), ("Saint Lawrence River", -74.72, 45.16, {"angle": 34}),
+        ("Montréal", -73.67, 45.505, {"italic": False, "colour": "#2f3437", "size": 11}),
+        ("Laval", -73.72, 45.61, {"italic": False, "colour": "#2f3437", "size": 9}),
     ]  # fmt: skip
     picture(
         "river",
@@ -304,7 +304,7 @@ def river():
 
 def floor_plan():
     """A plan drawn for this page, in metres: an office of rooms on both sides of a corridor."""
-    wall, door = 0.2, 0.9
+    wall, door = 0.2, 0.8
     rooms, doors = {}, []
 
     def room(name, x0, y0, x1, y1):
@@ -312,43 +312,44 @@ def floor_plan():
 
     def opening(x, y, horizontal, wide=door):
         # through a wall; it reaches a little into both rooms, so that they are joined
-        half, through = wide / 2, wall / 2
+        half, through = wide / 2, wall / 2 + 0.01
         size = (half, through) if horizontal else (through, half)
         doors.append(shapely.box(x - size[0], y - size[1], x + size[0], y + size[1]))
 
-    room("Corridor", 0, 6.2, 30, 8)
+    room("Corridor", 0, 6.2, 30, 8.6)
     x = 0.0
     for name, wide in (("Office 1", 4), ("Office 2", 4), ("Office 3", 4), ("Meeting", 7.4), ("Library", 6),
                        ("Archive", 3.6)):  # fmt: skip
-        room(name, x, 8 + wall, x + wide, 13.2)
-        opening(x + wide / 2, 8 + wall / 2, True)
+        room(name, x, 8.6 + wall, x + wide, 13.8)
+        opening(x + wide / 2, 8.6 + wall / 2, True)
         x += wide + wall
     x = 0.0
     for name, wide in (("Office 4", 5.3), ("Office 5", 5.3), ("Hall", 8.6), ("Kitchen", 5.2), ("Store", 4.8)):
         room(name, x, 0, x + wide, 6.0)
         opening(x + wide / 2, 6.0 + wall / 2, True, 1.6 if name == "Hall" else door)
         x += wide + wall
-    opening(10.7 + wall / 2, 2.0, False)  # from office 5 to the hall
-    opening(8.2 + wall / 2, 10.6, False)  # from office 2 to office 3
+    opening(10.8 + wall / 2, 2.0, False)  # from office 5 to the hall
+    opening(8.2 + wall / 2, 11.2, False)  # from office 2 to office 3
     plan = shapely.union_all([*rooms.values(), *doors])
     columns = [shapely.box(x, y, x + 0.5, y + 0.5) for x in (13.3, 16.7) for y in (1.6, 3.9)]
-    plan = shapely.normalize(plan - shapely.union_all(columns))
+    plan -= shapely.union_all(columns)
     path = saved(BUILD / "floor_plan.gpkg", [plan], "EPSG:32632", name=["Ground floor"])
     parts, cuts, noted = solved(
-        "isthmus:partition", path, "floor_plan", TAU=4, OBJECTIVE="MinSize", MIN_LENGTH=0.8, MIN_HOLE=1
+        "isthmus:partition", path, "floor_plan", TAU=14, OBJECTIVE="MinLength", MIN_HOLE=1
     )
-    noted["rooms"] = len(rooms)
-    noted["km"] = None
+    noted["rooms"], noted["doors"] = len(rooms), len(doors)
+    del noted["km"]
     noted["metres"] = round(sum(f["length"] for f in cuts.getFeatures()), 3)
     names = [
-        (name, box.centroid.x, box.centroid.y - (0.0 if name != "Hall" else 0.0), {"size": 9, "halo": ""})
+        (name, box.centroid.x, box.centroid.y, {"size": 9, "halo": ""})
         for name, box in rooms.items()
     ]
     picture(
         "floor_plan",
-        [Panel([line(cuts, width=0.7), coloured(parts, cuts, LAND_PARTS, "#4a463f", 0.25)],
-               (-0.7, -1.6, 30.7, 13.9), "EPSG:32632", names=names, names_crs="EPSG:32632", scale=5,
-               background="#5b5750")],
+        [Panel([line(cuts, width=0.7), coloured(parts, cuts, LAND_PARTS, "#4a463f", 0.25),
+                fill(memory("Polygon", [shapely.box(-0.3, -0.3, 30.3, 14.1)], "EPSG:32632"), "#5b5750")],
+               (-0.5, -1.8, 30.5, 14.3), "EPSG:32632", names=names, names_crs="EPSG:32632", scale=5,
+               background="white")],
         width=1100,
     )  # fmt: skip
     return noted
@@ -366,6 +367,8 @@ def land_cover():
     if not path or not path.exists():
         raise Skip("the land cover (aggregation/nlcd2011_zion_55191.gpkg) is in no folder --data")
     zion = opened(f"{path}|layername=landcover")
+    import processing
+
     window = 315_000, 4_139_500, 321_000, 4_147_500
     crs = zion.crs().toProj()
     kept, kinds = [], []
@@ -378,7 +381,7 @@ def land_cover():
     areas = saved(BUILD / "land_cover.gpkg", kept, "EPSG:26912", **{"class": kinds})
     settings = {
         "CLASS": "class", "THRESHOLD": 100000, "DISTANCE": "code", "WEIGHT_BOUNDARY": 22.5,
-        "WEIGHT_CENTRE": 0.0002, "SEED": 1, "ITERATIONS": 10_000_000,
+        "BOUNDARY": "classes", "WEIGHT_CENTRE": 0.0002, "SEED": 1, "ITERATIONS": 10_000_000,
     }  # fmt: skip
     before = run("isthmus:aggregate", INPUT=areas, **settings, OUTPUT=BUILD / "regions.gpkg")
     cut = run(
@@ -390,12 +393,18 @@ def land_cover():
         OUTPUT=BUILD / "regions_of_pieces.gpkg",
     )  # fmt: skip
     panels = []
-    for title, layer, outline in (
-        (f"{len(kept):,} areas", areas, False),
-        (f"{before.results['REGION_COUNT']} regions", BUILD / "regions.gpkg", True),
-        (f"{after.results['REGION_COUNT']} regions, cut first", BUILD / "regions_of_pieces.gpkg", True),
+    for title, layer in (
+        ("Land cover", areas),
+        ("Aggregated", BUILD / "regions.gpkg"),
+        ("Cut at bottlenecks, then aggregated", BUILD / "regions_of_pieces.gpkg"),
     ):
-        shown = classes(opened(layer), "class", NLCD, "#6f6a5f" if outline else "transparent", 0.12)
+        outline = "transparent" if layer == areas else "#6f6a5f"
+        if layer != areas:  # neighbours of one class as one
+            joined = processing.run(
+                "native:dissolve", {"INPUT": str(layer), "FIELD": ["class"], "OUTPUT": "memory:"}
+            )
+        layer = opened(layer) if layer == areas else joined["OUTPUT"]
+        shown = classes(layer, "class", NLCD, outline, 0.12)
         panels.append(Panel([shown], window, crs, title, scale=0 if panels else 1000))
     picture("land_cover", panels)
 
