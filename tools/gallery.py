@@ -22,7 +22,6 @@ from maps import (
     BUILD,
     LAND,
     LAND_PARTS,
-    MEASURED,
     ROOT,
     SHORE,
     WATER_PARTS,
@@ -33,7 +32,6 @@ from maps import (
     frame_of,
     line,
     memory,
-    note,
     opened,
     picture,
     run,
@@ -43,12 +41,14 @@ from maps import (
     stop,
     world,
 )
+from measured import note
 from qgis.core import QgsFeatureRequest, QgsRectangle
 
 sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
 
 DATA = None  # the folder with the other data sets
+MEDITERRANEAN = (-9.0, 29.5, 42.2, 47.6), (18.0, 35.0)  # a box, and a place in its water
 
 
 class Skip(Exception):
@@ -155,7 +155,7 @@ def eurasia():
 
 
 def mediterranean():
-    path = sea("mediterranean", (-9.0, 29.5, 42.2, 47.6), (18.0, 35.0))
+    path = sea("mediterranean", *MEDITERRANEAN)
     parts, cuts, noted = solved(
         "isthmus:partition", path, "mediterranean",
         TAU=4, OBJECTIVE="MinLength", MIN_LENGTH=20000, MIN_HOLE=1_000_000_000,

@@ -5,7 +5,6 @@ over them.
 """
 
 import atexit
-import json
 import os
 import shlex
 import shutil
@@ -44,7 +43,6 @@ from qgis.PyQt.QtGui import QColor, QFont, QFontMetricsF, QImage, QPainter, QPai
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
-MEASURED = ROOT / "docs" / "measured"
 BUILD = ROOT / "build" / "gallery"
 
 DEGREES = "EPSG:4326"
@@ -142,16 +140,6 @@ def command(tool, parameters):
             lines.append("   ")
         lines[-1] += f" {word}"
     return "\n".join(lines)
-
-
-def note(name, entries):
-    """Merge entries into docs/measured/NAME.json."""
-    path = MEASURED / f"{name}.json"
-    known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    known.update(entries)
-    MEASURED.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(known, indent=1, ensure_ascii=False, sort_keys=True)
-    path.write_text(text + "\n", encoding="utf-8")
 
 
 # --- Layers -----------------------------------------------------------------------------------------
