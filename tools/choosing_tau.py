@@ -149,6 +149,7 @@ def necks():
                   *(f"**{medians[label]:.3g}**" for label in labels)]],
         },
         "neck_count": len(order),
+        **{f"necks_above_{tau}": sum(detour > tau for detour in own) for tau in (4, 10, 50)},
         "lower_quarter": round(float(np.percentile(own, 25)), 2),
         "median": round(statistics.median(own), 2),
         "upper_quarter": round(float(np.percentile(own, 75)), 2),

