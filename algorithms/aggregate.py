@@ -25,7 +25,7 @@ from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
-REGION_FIELDS = (("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
+REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -513,9 +513,9 @@ class _Run:
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
-        own = make_fields(ASSIGNED_FIELDS[:1])
+        own = make_fields(REGION_FIELDS[:1])
         own.append(self.class_field)
-        for one in make_fields(REGION_FIELDS):
+        for one in make_fields(REGION_FIELDS[1:]):
             own.append(one)
         sink, destination = open_sink(
             tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True

@@ -35,7 +35,7 @@ def fields():
     every = ("...", None)
     lines = {"CUTS": cutting.CUT_FIELDS, "DIAGONALS": cutting.DIAGONAL_FIELDS}
     budget = cutting.PART_FIELDS + partition_budget.PartitionBudgetAlgorithm.extra_fields
-    regions = (aggregate.ASSIGNED_FIELDS[0], ("CLASS", None), *aggregate.REGION_FIELDS)
+    regions = (aggregate.REGION_FIELDS[0], ("CLASS", None), *aggregate.REGION_FIELDS[1:])
     return {
         "partition": {"OUTPUT": (every, *cutting.PART_FIELDS), **lines},
         "partitionbudget": {"OUTPUT": (every, *budget), **lines},
@@ -79,7 +79,7 @@ def page(tool, written):
     lines = [
         f"# {tool.displayName()}", "",
         f"`{tool.id()}`, in the group *{tool.group()}*. {tool.shortDescription()}", "",
-        *markdown(tool.shortHelpString()),
+        *markdown(help_of(tool)),
         "## Parameters", "", "| name | in the dialog | what | default | |", "|---|---|---|---|---|",
         *(row(p) for p in inputs), "",
         "## Results", "", "| name | in the dialog | what | |", "|---|---|---|---|",
@@ -95,9 +95,16 @@ def page(tool, written):
     return "\n".join(lines)
 
 
+def help_of(tool):
+    """Return the help without the lists of parameters, which the page has as tables."""
+    text = getattr(tool, "help_text", None)
+    return " ".join(text.replace("{lists}", "").split()) if text else tool.shortHelpString()
+
+
 def markdown(text):
     """Return a help text as paragraphs of Markdown."""
     text = re.sub(r"</?i>", "*", re.sub(r"</?b>", "**", text))
+    text = re.sub(r"<h[34]>(.*?)</h[34]>", r"<p>### \1</p>", text)
     text = re.sub(r"\s*<br\s*/?>\s*", "\n\n", text)
     lines = []
     for paragraph in re.split(r"</?p>|\n\n", text):
