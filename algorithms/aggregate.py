@@ -24,8 +24,8 @@ from .base import IsthmusAlgorithm, Steps, install_hint, one_line
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
-ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
+ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -513,9 +513,11 @@ class _Run:
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
-        own = make_fields(REGION_FIELDS[:1])
+        own = make_fields((("region", LONG),))
         own.append(self.class_field)
-        for one in make_fields(REGION_FIELDS[1:]):
+        for one in make_fields((
+            ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT)
+        )):
             own.append(one)
         sink, destination = open_sink(
             tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True

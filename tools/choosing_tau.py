@@ -149,6 +149,7 @@ def necks():
                   *(f"**{medians[label]:.3g}**" for label in labels)]],
         },
         "neck_count": len(order),
+        "reach_km": REACH / 1000,
         **{f"necks_above_{tau}": sum(detour > tau for detour in own) for tau in (4, 10, 50)},
         "lower_quarter": round(float(np.percentile(own, 25)), 2),
         "median": round(statistics.median(own), 2),
@@ -267,7 +268,7 @@ def curves():
 
 def detail():
     """Cuts of Eurasia by the resolution of its coast, at tau = 4, with and without a floor."""
-    rows, noted = [], {}
+    rows, noted, floors = [], {}, (0, 50_000, 100_000, 200_000)
     for letter, label in RESOLUTIONS.items():
         if letter == "h":  # its Eurasia crosses itself, once
             continue
@@ -277,7 +278,7 @@ def detail():
         ring = gshhg.eurasia(letter)
         path = saved(BUILD / f"eurasia_{letter}.gpkg", [shapely.Polygon(ring)], name=["Eurasia"])
         counts = []
-        for floor in (0, 50_000, 100_000, 200_000):
+        for floor in floors:
             found = run(
                 "isthmus:partition", INPUT=path, TAU=4, MIN_LENGTH=floor, OUTPUT=BUILD / "x.gpkg"
             ).results  # fmt: skip
@@ -286,9 +287,10 @@ def detail():
             counts.append(found["CUT_COUNT"])
         rows.append([f"GSHHG {label}", f"{len(ring):,}", *(f"{count:,}" for count in counts)])
         noted[label] = counts
-    columns = ["coast of Eurasia", "vertices", "no floor", "50 km", "100 km", "200 km"]
+    columns = ["coast of Eurasia", "vertices", "no floor", *(f"{f / 1000:g} km" for f in floors[1:])]
     return {
         "detail": {"columns": columns, "rows": rows},
+        "detail_floor_km": floors[2] / 1000,
         "detail_crude": noted["crude"][0], "detail_full": noted["full"][0],
         "detail_crude_floor": noted["crude"][2], "detail_full_floor": noted["full"][2],
     }  # fmt: skip

@@ -44,6 +44,7 @@ from maps import (
 )
 from measured import note
 from qgis.core import (
+    NULL,
     QgsCoordinateTransform,
     QgsFeatureRequest,
     QgsPointXY,
@@ -71,7 +72,7 @@ def solved(tool, path, name, extra=(), **parameters):
     results = done.results
     if results["SKIPPED_COUNT"]:
         sys.exit(f"{name}: {results['SKIPPED_COUNT']} features were not solved")
-    polygons = shapes(opened(path))
+    polygons, cuts = shapes(opened(path)), list(opened(results["CUTS"]).getFeatures())
     noted = {
         "command": done.command,
         "vertices": int(sum(shapely.get_num_coordinates(shapely.get_rings(shapely.get_parts(polygons))) - 1)),
@@ -81,6 +82,11 @@ def solved(tool, path, name, extra=(), **parameters):
         "km": round(results["CUT_LENGTH"] / 1000, 3),
         "dilation": round(results["MAX_DILATION"], 4),
         "seconds": round(done.seconds, 3),
+        "least_detour": round(min(cut["detour"] for cut in cuts if cut["detour"] != NULL), 2),
+        "tau": parameters.get("TAU"),
+        # both in metres and square metres, for the layers are in degrees
+        "min_length_km": parameters.get("MIN_LENGTH", 0) / 1000,
+        "min_hole_km2": parameters.get("MIN_HOLE", 0) / 1e6,
     }
     return opened(results["OUTPUT"]), opened(results["CUTS"]), noted
 
@@ -387,7 +393,7 @@ def land_cover():
                 kinds.append(int(feature["class"]))
     areas = saved(BUILD / "land_cover.gpkg", kept, "EPSG:26912", **{"class": kinds})
     settings = {
-        "CLASS": "class", "THRESHOLD": 100000, "DISTANCE": "code", "WEIGHT_BOUNDARY": 22.5,
+    "CLASS": "class", "THRESHOLD": 100000, "DISTANCE": "code", "WEIGHT_BOUNDARY": 22.5,
         "BOUNDARY": "classes", "WEIGHT_CENTRE": 0.0002, "SEED": 1, "ITERATIONS": 10_000_000,
     }  # fmt: skip
     before = run("isthmus:aggregate", INPUT=areas, **settings, OUTPUT=BUILD / "regions.gpkg")
@@ -426,6 +432,7 @@ def land_cover():
 
     return {
         "areas": len(kept),
+        "hectares": settings["THRESHOLD"] / 1e4,
         "pieces": cut.results["PIECE_COUNT"],
         "plain": of(before),
         "prepare": {"command": cut.command, "seconds": round(cut.seconds, 1)},
