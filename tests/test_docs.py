@@ -238,8 +238,8 @@ def picture_problems(name, text, root=ROOT):
             problems.append(f"there is no picture {match[2]}")
             continue
         image = QImage(str(path))
-        if image.isNull() or image.width() > 1200 or path.stat().st_size > 250_000:
-            problems.append(f"{match[2]} is larger than 1200 pixels or 250 kB")
+        if image.isNull() or image.width() > 1280 or path.stat().st_size > 250_000:
+            problems.append(f"{match[2]} is larger than 1280 pixels or 250 kB")
         if not match[1]:
             problems.append(f"{match[2]} has no text for those who do not see it")
         section = text[match.end():].partition("\n## ")[0]
@@ -254,8 +254,8 @@ def maker(path, root=ROOT):
     if path.name == "readme.png":
         return "tools/demo.py", "./run demo"
     if path.parent.name == "resources":
-        made = [s for s in (root / "tools").glob("*.py") if path.name in s.read_text(encoding="utf-8")]
-        return (made[0].name, made[0].name) if made else (None, None)
+        script = f"tools/{path.stem}.py"
+        return (script, script) if (root / script).exists() else (None, None)
     for script in ("gallery", "choosing_tau"):
         source = (root / "tools" / f"{script}.py").read_text(encoding="utf-8")
         drawn = {
