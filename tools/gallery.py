@@ -317,7 +317,7 @@ def river():
 
 def floor_plan():
     """A plan drawn for this page, in metres: an office of rooms on both sides of a corridor."""
-    wall, door = 0.2, 0.8
+    wall, door, smallest = 0.2, 0.8, 1
     rooms, doors = {}, []
 
     def room(name, x0, y0, x1, y1):
@@ -348,10 +348,12 @@ def floor_plan():
     plan -= shapely.union_all(columns)
     path = saved(BUILD / "floor_plan.gpkg", [plan], "EPSG:32632", name=["Ground floor"])
     parts, cuts, noted = solved(
-        "isthmus:partition", path, "floor_plan", TAU=14, OBJECTIVE="MinLength", MIN_HOLE=1
+        "isthmus:partition", path, "floor_plan", TAU=14, OBJECTIVE="MinLength", MIN_HOLE=smallest
     )
     noted["rooms"], noted["doors"] = len(rooms), len(doors)
-    del noted["km"]
+    for wrong in ("km", "min_length_km", "min_hole_km2"):  # the plan is in metres
+        del noted[wrong]
+    noted["min_hole_m2"] = smallest
     noted["metres"] = round(sum(f["length"] for f in cuts.getFeatures()), 3)
     names = [
         (name, box.centroid.x, box.centroid.y, {"size": 9, "halo": ""})
