@@ -78,16 +78,16 @@ def code_blocks(text):
 # --- What is so -------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")  # as long as other tests may use the provider
 def tools(qgis_app, qgis_processing):
     from isthmus.algorithms.provider import IsthmusProvider
 
     registry = QgsApplication.processingRegistry()
-    if registry.providerById("isthmus") is None:
-        tools.provider = IsthmusProvider()
-        registry.addProvider(tools.provider)
-    found = registry.providerById("isthmus").algorithms()
-    return sorted(found, key=lambda tool: tool.id())
+    provider = registry.providerById("isthmus")
+    if provider is None:
+        provider = IsthmusProvider()
+        registry.addProvider(provider)
+    yield sorted(provider.algorithms(), key=lambda tool: tool.id())
 
 
 @pytest.fixture(scope="module")

@@ -155,11 +155,10 @@ def limits(parameter):
     text = ""
     if parameter.dataType() == type(parameter).Type.Integer:
         text += ", whole"
-        high = high if high < 2**31 - 1 else 1e308
-        low = low if low > -(2**31) + 1 else -1e308
-    if low > -1e300:
+    # without a limit QGIS has the largest number that there is, or the tool one that fits its field
+    if low > -(2**31):
         text += f", at least {low:g}"
-    if high < 1e300:
+    if high < 2**31 - 1:
         text += f", at most {high:g}"
     return text
 
