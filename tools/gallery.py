@@ -150,7 +150,7 @@ def eurasia():
     crs = "+proj=laea +lat_0=45 +lon_0=85"
     names = [
         ("Iberia", -4.0, 40.0, {"size": 9}), ("Europe", 24, 51.5, {"size": 14}),
-        ("Italy", 7.2, 40.4, {"size": 9}), ("Jutland", 4.0, 57.3, {"size": 8}),
+        ("Italy", 7.2, 40.4, {"size": 9}), ("Finland", 26.5, 63.0, {"size": 8}),
         ("Scandinavia", 5.5, 66.5, {"size": 9}), ("France", 1.6, 47.2, {"size": 8}),
         ("Anatolia", 33.5, 39.0, {"size": 10}), ("Arabia", 45.5, 23.5, {"size": 13}),
         ("Kathiawar", 65.5, 20.0, {"size": 8}), ("Indochina", 104.3, 16.0, {"size": 10}),
