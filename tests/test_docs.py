@@ -27,6 +27,7 @@ from qgis.core import (  # noqa: E402
     QgsProcessingFeedback,
     QgsProcessingParameterDefinition,
     QgsProject,
+    QgsVectorFileWriter,
     QgsVectorLayer,
 )
 from qgis.PyQt.QtGui import QImage  # noqa: E402
@@ -413,10 +414,10 @@ def outline(path):
     feature["geometry"] = json.loads(shapely.to_geojson(shapely.Polygon(ring)))
     geojson = path.with_suffix(".geojson")
     geojson.write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
-    from osgeo import gdal
-
-    gdal.UseExceptions()
-    gdal.VectorTranslate(str(path), str(geojson), format="GPKG", layerName=path.stem)
+    layer, options = QgsVectorLayer(str(geojson)), QgsVectorFileWriter.SaveVectorOptions()
+    options.layerName = path.stem
+    context = QgsProject.instance().transformContext()
+    assert QgsVectorFileWriter.writeAsVectorFormatV3(layer, str(path), context, options)[0] == 0
 
 
 @pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
