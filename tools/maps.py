@@ -23,7 +23,6 @@ from qgis.core import (
     QgsCoordinateTransform,
     QgsFeature,
     QgsFeatureRequest,
-    QgsField,
     QgsFillSymbol,
     QgsGeometry,
     QgsLineSymbol,
@@ -38,7 +37,7 @@ from qgis.core import (
     QgsVectorFileWriter,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt, QVariant
+from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt
 from qgis.PyQt.QtGui import QColor, QFont, QFontMetricsF, QImage, QPainter, QPainterPath, QPen
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -174,11 +173,13 @@ def shapes(layer, request=None):
 
 def memory(kind, geometries, crs=DEGREES, **fields):
     """Return a layer in memory of shapely geometries, and lists of values as fields."""
+    from isthmus.algorithms.features import LONG, REAL, TEXT, field
+
     made = QgsVectorLayer(kind, "layer", "memory")
     made.setCrs(system(crs))
-    types = {str: QVariant.Type.String, int: QVariant.Type.Int, float: QVariant.Type.Double}
+    kinds = {str: TEXT, int: LONG, float: REAL}
     made.dataProvider().addAttributes(
-        [QgsField(name, types[type(values[0])]) for name, values in fields.items()]
+        [field(name, kinds[type(values[0])]) for name, values in fields.items()]
     )
     made.updateFields()
     features = []

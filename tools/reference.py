@@ -151,9 +151,11 @@ def result_row(parameter):
 
 def limits(parameter):
     """Return the range of a number in words."""
+    from qgis.core import QgsProcessingParameterNumber
+
     low, high = parameter.minimum(), parameter.maximum()
     text = ""
-    if parameter.dataType() == type(parameter).Type.Integer:
+    if parameter.dataType() == QgsProcessingParameterNumber.Type.Integer:
         text += ", whole"
     # without a limit QGIS has the largest number that there is, or the tool one that fits its field
     if low > -(2**31):
