@@ -20,7 +20,7 @@ from qgis.core import (
 from . import areas as layer
 from . import features
 from .aggregation_tables import distances, thresholds
-from .base import IsthmusAlgorithm, Steps, install_hint, one_line
+from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
@@ -34,26 +34,32 @@ HELP = """
 <p>Aggregates the areas of a land-cover map for a smaller scale: every area is given to a region, and
 every region is contiguous, at least as large as its class demands, and has the class of at least
 one of its areas. Among all ways to do so the tool looks for one of least cost.</p>
-<p><b>Cost</b> is the sum of three parts, each with a weight:<br/>
+<p>Takes the pieces of <i>Prepare areas for aggregation</i>, too: pieces of one area that end in one
+region are merged again.</p>
+<h3>Methods</h3>
+<p><i>greedy</i>: the smallest area joins the neighbour that costs least; quick.<br/>
+<i>annealing</i>: starts there and improves it, for a number of steps or seconds. The same seed and
+number of steps give the same result.<br/>
+<i>exact</i>: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that
+certifies how good the result is. Between areas that are large enough by themselves, a dozen small
+ones take seconds, and twenty may take minutes.</p>
+<h3>Cost</h3>
+<p>The sum of three parts, each with a weight:<br/>
 <i>class change</i>: size in square metres times the distance of the two classes;<br/>
 <i>boundary length</i>: metres between regions, or only between regions of different class;<br/>
 <i>centre distance</i>: size times the distance in metres from the centroid of an area to that of
-its region's core, the area that gives the region its class.<br/>
-The weights given are good for 40 hectares (1:250,000); for another minimum size multiply that of the
+its region's core, the area that gives the region its class.</p>
+<p>The weights given are good for 40 hectares (1:250,000); for another minimum size multiply that of the
 boundary length by the square root of the ratio, and divide that of the centre distance by it.</p>
-<p><b>Beware:</b> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
+<p><i>Beware:</i> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
 one class are merged for their boundary alone. Choose boundaries between <i>classes</i>, raise the
 weight of the centre distance, or fix the number of regions, if you do not want that.</p>
-<p><b>Methods.</b> <i>greedy</i>: the smallest area joins the neighbour that costs least; quick.
-<i>annealing</i>: starts there and improves it, for a number of steps or seconds. The same seed and
-number of steps give the same result. <i>exact</i>: a mixed-integer programme (HiGHS, through scipy)
-for small maps, with a lower bound that certifies how good the result is. Between areas that are
-large enough by themselves, a dozen small ones take seconds, and twenty may take minutes.</p>
-<p><b>What cannot be helped.</b> Areas on an island that is too small for any of their classes, and areas
-without a class, stay as they are, with the reason in <i>status</i>.</p>
-<p>Takes the pieces of <i>Prepare areas for aggregation</i>, too: pieces of one area that end in one
-region are merged again.</p>
-<p>Problem: J.-H. Haunert and A. Wolff, Area aggregation in map generalisation by mixed-integer
+{lists}
+<h3>What cannot be helped</h3>
+<p>Areas on an island that is too small for any of their classes, and areas without a class, stay as
+they are, with the reason in <i>status</i>.</p>
+<h3>Problem</h3>
+<p>J.-H. Haunert and A. Wolff, Area aggregation in map generalisation by mixed-integer
 programming, IJGIS 24(12), 2010.</p>
 """
 
@@ -61,6 +67,7 @@ programming, IJGIS 24(12), 2010.</p>
 class AggregateAlgorithm(IsthmusAlgorithm):
     """Aggregate the areas of a coverage into large regions."""
 
+    help_text = HELP
     CLASS = "CLASS"
     THRESHOLD = "THRESHOLD"
     THRESHOLDS = "THRESHOLDS"
@@ -111,9 +118,6 @@ class AggregateAlgorithm(IsthmusAlgorithm):
     def shortDescription(self):
         return "Joins small land-cover areas to regions of a minimum size at least cost."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def initAlgorithm(self, configuration=None):
         add = self.add
         number = QgsProcessingParameterNumber.Type
@@ -140,9 +144,10 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             "The field with the class of each area.",
         )
         add(
-            amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0),
+            amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0, maxValue=LARGEST),
             "How large every region must be at least. Classes in the table of minimum sizes have "
             "their own.",
+            decimals=2,
         )
         add(
             QgsProcessingParameterFeatureSource(
@@ -150,6 +155,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             ),
             "A table with the fields class and threshold (square metres). A class whose threshold is "
             "empty may not appear in the result.",
+            advanced=True,
         )
         add(
             QgsProcessingParameterString(self.EXCLUDED, "Excluded classes", optional=True),
@@ -170,18 +176,21 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         add(
             amount(self.WEIGHT_CHANGE, "Weight of class change", 1.0),
             "For each square metre times class distance.",
+            advanced=True,
         )
         add(
             amount(self.WEIGHT_BOUNDARY, "Weight of boundary length", 45.0),
             "For each metre of boundary.",
+            advanced=True,
         )
         add(
-            choice(self.BOUNDARY, "Boundaries that count", BOUNDARIES, "regions"),
+            choice(self.BOUNDARY, "Boundaries that count: of regions or of classes", BOUNDARIES, "regions"),
             "regions: between all regions. classes: only between regions of different class.",
         )
         add(
             amount(self.WEIGHT_CENTRE, "Weight of centre distance", 0.0001),
             "For each square metre times metre.",
+            advanced=True,
         )
         add(
             choice(self.METHOD, "Method", METHODS, "annealing"),
@@ -190,23 +199,27 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         add(
             amount(self.SEED, "Seed of annealing", 1, number.Integer),
             "Another seed gives another result.",
+            advanced=True,
         )
         add(
             amount(self.ITERATIONS, "Steps of annealing (0: 10,000 an area)", 0, number.Integer),
             "How many moves are tried.",
+            advanced=True,
         )
         add(
-            amount(self.SECONDS, "Seconds (0: not limited)", 0.0),
+            amount(self.SECONDS, "Seconds to search (0: not limited)", 0.0),
             "annealing: run this long instead of a number of steps; then two runs may differ. exact: "
             "the time limit, 60 if 0.",
+            decimals=1,
         )
         add(
             amount(self.REGIONS, "Number of regions (0: free)", 0, number.Integer),
             "Wanted number of regions, for greedy and annealing. Said if it cannot be reached.",
+            advanced=True,
         )
         add(
             QgsProcessingParameterField(
-                self.AREA_ID, "Area of a piece", parentLayerParameterName=self.INPUT, optional=True
+                self.AREA_ID, "Field with the area of a piece", parentLayerParameterName=self.INPUT, optional=True
             ),
             "The field that is equal for the pieces of one area. Default: area_id, if there are "
             "fields area_id and piece.",

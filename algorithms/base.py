@@ -1,5 +1,6 @@
 """What all tools share: icon, group, the check for missing packages, layer styles."""
 
+import html
 import sysconfig
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from qgis.core import (
     QgsProcessingLayerPostProcessorInterface,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
+    QgsProcessingUtils,
 )
+from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
 from .features import common_type
@@ -20,14 +23,24 @@ from .features import common_type
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
 
+# Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
+LARGEST = 1e18
+
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
 
 
 class IsthmusAlgorithm(QgsProcessingAlgorithm):
-    """Base of the tools: a tool adds its texts, its parameters and one call into the core."""
+    """Base of the tools: a tool adds its texts, its parameters and one call into the core.
+
+    Attributes
+    ----------
+    help_text : str
+        HTML of the help panel; the lists of parameters and results come where it has ``{lists}``.
+    """
 
     INPUT = "INPUT"
+    help_text = "{lists}"
 
     def createInstance(self):
         return type(self)()
@@ -56,9 +69,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """Return a sentence about a parameter that cannot be used, or ''."""
         return ""
 
-    def add(self, parameter, help_text, advanced=False):
-        """Add a parameter with its help."""
+    def add(self, parameter, help_text, advanced=False, decimals=None):
+        """Add a parameter with its help; a number may say how many decimals its field shows."""
         parameter.setHelp(help_text)
+        if decimals is not None:
+            parameter.setMetadata({"widget_wrapper": {"decimals": decimals}})
         if advanced:
             flag = QgsProcessingParameterDefinition.Flag.FlagAdvanced
             parameter.setFlags(parameter.flags() | flag)
@@ -69,17 +84,24 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         for name, label in labels:
             self.addOutput(QgsProcessingOutputNumber(name, label))
 
+    def shortHelpString(self):
+        # QGIS shows the help of a parameter in its tool-tip only, and takes each line for a paragraph
+        lists = []
+        for title, wanted in (("Parameters", False), ("Results", True)):
+            items = "".join(
+                f"<h4>{html.escape(p.description())}</h4><p>{html.escape(p.help())}</p>"
+                for p in self.parameterDefinitions()
+                if p.isDestination() == wanted
+            )
+            lists.append(f"<h3>{title}</h3>{items}")
+        return " ".join(self.help_text.replace("{lists}", "".join(lists)).split())
+
     def source(self, parameters, context):
         """Return the layer INPUT."""
         source = self.parameterAsSource(parameters, self.INPUT, context)
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
         return source
-
-
-def one_line(text):
-    """Return a help text as QGIS wants it: its help panel takes each line for a paragraph."""
-    return " ".join(text.split())
 
 
 def dependency_problem():
@@ -156,22 +178,53 @@ class Steps:
 
 
 class _Styler(QgsProcessingLayerPostProcessorInterface):
-    """Gives a loaded result its style."""
+    """Gives a loaded result its style, and its place among the results of the run."""
 
-    def __init__(self, style):
+    def __init__(self, style, rank):
         super().__init__()
-        self.style = style
+        self.style, self.rank = style, rank
 
     def postProcessLayer(self, layer, context, feedback):
-        layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
-        layer.triggerRepaint()
+        if self.style:
+            layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
+            layer.triggerRepaint()
+        _arrange(context)
 
 
-_stylers = {}  # Processing does not own them: they must stay alive
+def _arrange(context):
+    """Put the results of a run into the order of their ranks in the layer tree.
+
+    QGIS 3.22 loads them in the order of their ids or paths, each on top of the one before.
+    """
+    ranked = {}  # by group
+    for destination, details in context.layersToLoadOnCompletion().items():
+        styler = details.postProcessor()
+        layer = QgsProcessingUtils.mapLayerFromString(destination, context, False)
+        if details.project is None or layer is None or not isinstance(styler, _Styler):
+            continue
+        node = details.project.layerTreeRoot().findLayer(layer.id())
+        if node is not None:
+            ranked.setdefault(node.parent(), []).append((styler.rank, node))
+    for group, found in ranked.items():
+        places = [group.children().index(node) for _, node in sorted(found, key=lambda f: f[0])]
+        if places == sorted(places):
+            continue
+        top = min(places)
+        for _, node in sorted(found, key=lambda f: -f[0]):
+            group.insertChildNode(top, node.clone())
+            group.removeChildNode(node)
 
 
-def style_on_load(context: QgsProcessingContext, destination, style):
-    """Give a result its style if Processing loads it into a project."""
+_stylers = []  # those that wait for their layer: Python must not delete them
+
+
+def style_on_load(context: QgsProcessingContext, destination, style, rank=1):
+    """Give a result its style, if any, and its place if Processing loads it into a project.
+
+    Results of a lower rank lie above those of a higher one.
+    """
     if destination and context.willLoadLayerOnCompletion(destination):
-        styler = _stylers.setdefault(style, _Styler(style))
+        # one for each result: the context deletes it in the end, whatever the documentation says
+        styler = _Styler(style, rank)
+        _stylers[:] = [old for old in _stylers if not sip.isdeleted(old)] + [styler]
         context.layerToLoadOnCompletionDetails(destination).setPostProcessor(styler)

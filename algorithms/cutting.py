@@ -14,12 +14,13 @@ from qgis.core import (
     QgsProcessingParameters,
     QgsProcessingUtils,
     QgsPropertyDefinition,
+    QgsUnitTypes,
     QgsWkbTypes,
 )
 
 from ..core.errors import Cancelled
 from . import features
-from .base import IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
@@ -66,19 +67,21 @@ class PartitionTool(IsthmusAlgorithm):
     def add_dynamic(self, name, label, default, least, help_text):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
-            name, label, QgsProcessingParameterNumber.Type.Double, default, minValue=least
-        )
+            name, label, QgsProcessingParameterNumber.Type.Double, default,
+            minValue=least, maxValue=LARGEST,
+        )  # fmt: skip
         parameter.setIsDynamic(True)
-        template = QgsPropertyDefinition.StandardPropertyTemplate.DoublePositive
-        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, label, template))
+        kind = QgsPropertyDefinition.DataType.DataTypeNumeric
+        expected = f"number [≥ {least:g}]"
+        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, kind, label, expected))
         parameter.setDynamicLayerParameterName(self.INPUT)
-        self.add(parameter, help_text)
+        self.add(parameter, help_text, decimals=2)
 
     def add_objective(self):
         self.add(
             QgsProcessingParameterEnum(
                 self.OBJECTIVE,
-                "What to minimize",
+                "What to minimize: number, length or weight of cuts",
                 list(OBJECTIVES),
                 defaultValue=BY_SIZE,
                 usesStaticStrings=True,
@@ -89,13 +92,14 @@ class PartitionTool(IsthmusAlgorithm):
         self.add(
             QgsProcessingParameterExpression(
                 self.WEIGHT,
-                "Weight of a candidate (for MinWeight)",
+                "Weight of a cut (for MinWeight)",
                 parentLayerParameterName=self.INPUT,
                 optional=True,
             ),
-            "An expression for the weight of a candidate, such as @length / @detour. It sees the "
-            "line's geometry, @length, @detour, the fields of the polygon and, where candidate "
-            "lines are given, the fields of the line. Zero makes a cut free.",
+            "An expression for the weight of a possible cut, such as @length / @detour. It sees the "
+            "line's geometry, @length, @detour, the fields of the polygon and, where you give lines "
+            "to choose from, the fields of the line. Zero makes a cut free.",
+            advanced=True,
         )
 
     def add_candidates(self):
@@ -103,35 +107,40 @@ class PartitionTool(IsthmusAlgorithm):
             # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
             QgsProcessingParameterNumber(
                 self.MIN_LENGTH,
-                "Shortest diagonal that counts (layer units; metres for degrees)",
+                "Ignore cuts below (layer units; metres if degrees)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
             ),
-            "Diagonals shorter than this are neither cut nor bounded: creeks and inlets you do not "
-            "care for. A hole may still be connected by a shorter cut. In the units of the layer, "
-            "or in metres if its coordinates are degrees.",
+            "Possible cuts that are shorter than this are left out, whatever the detour: those of "
+            "creeks and inlets you do not care for. A hole may still be connected by a shorter cut. "
+            "In the units of the layer, or in metres if its coordinates are degrees.",
+            decimals=3,
         )
         self.add(
             QgsProcessingParameterNumber(
                 self.MIN_HOLE,
-                "Smallest hole that counts (area in square layer units; square metres for degrees)",
+                "Ignore holes below (layer units²; m² if degrees)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
+                maxValue=LARGEST,
             ),
-            "Holes with a smaller area stay holes of a part, and no cut is attached to them.",
+            "Holes with a smaller area stay holes of a part, and no cut is attached to them. In the "
+            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            decimals=3,
         )
         self.add(
             QgsProcessingParameterFeatureSource(
                 self.CANDIDATES,
-                "Candidate lines",
+                "Lines to choose the cuts from",
                 [QgsProcessing.SourceType.TypeVectorLine],
                 optional=True,
             ),
-            "Your own diagonals to choose the cuts from, instead of a triangulation's. Straight "
-            "lines between two vertices of a polygon that stay inside it. A line that is none is "
-            "reported with its id; where two cross, the shorter one is used.",
+            "Your own lines, instead of the diagonals of a triangulation: straight lines between two "
+            "vertices of a polygon that stay inside it. A line that is none is reported with its "
+            "id; where two cross, the shorter one is used.",
+            advanced=True,
         )
 
     def add_max_gap(self):
@@ -148,6 +157,7 @@ class PartitionTool(IsthmusAlgorithm):
             "proven lower bound a solution may cost. 0 asks for a proof of optimality. MinSize is "
             "always optimal.",
             advanced=True,
+            decimals=3,
         )
 
     def objective_problem(self, parameters, context):
@@ -306,6 +316,7 @@ class CuttingTool(PartitionTool):
                 feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
         if settings.lines:
             settings.lines.report(feedback)
+        writer.report(feedback)
         return writer.results()
 
     def extra_values(self, solved):
@@ -320,6 +331,7 @@ class _Writer:
         self.tool, self.parameters, self.context = tool, parameters, context
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
+        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
         line_type = features.line_type(wkb_type)
         self.part_fields = QgsProcessingUtils.combineFields(
             fields, make_fields(PART_FIELDS + tool.extra_fields)
@@ -418,10 +430,28 @@ class _Writer:
                 values = [source, length, _or_null(detour), dilation, ROLES[role]]
                 add_feature(self.diagonals, self.diagonal_fields, line, values)
 
+    def report(self, feedback):
+        """Say in the log what was done."""
+        if feedback.isCanceled():
+            feedback.pushWarning("Cancelled: the results are not complete.")
+            return
+        tool, numbers = self.tool, self.numbers
+        length, skipped = numbers[tool.CUT_LENGTH], numbers[tool.SKIPPED_COUNT]
+        text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
+        feedback.pushInfo(
+            f"{numbers[tool.PART_COUNT]:,} parts, made by {numbers[tool.CUT_COUNT]:,} cuts of "
+            f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
+            f"{numbers[tool.MAX_DILATION]:.4g}."
+        )
+        if skipped:
+            feedback.pushInfo(f"{skipped:,} features were not cut: see the field status of the parts.")
+
     def results(self):
         """The outputs of the tool; loaded layers get their styles."""
-        style_on_load(self.context, self.destinations.get(self.tool.OUTPUT), "parts.qml")
-        style_on_load(self.context, self.destinations.get(self.tool.CUTS), "cuts.qml")
+        tool, destinations = self.tool, self.destinations
+        style_on_load(self.context, destinations.get(tool.CUTS), "cuts.qml", 0)
+        style_on_load(self.context, destinations.get(tool.DIAGONALS), None, 1)
+        style_on_load(self.context, destinations.get(tool.OUTPUT), "parts.qml", 3)
         return {**self.destinations, **self.numbers}
 
 

@@ -27,7 +27,7 @@ from qgis.core import (
 )
 
 from . import features
-from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, one_line, style_on_load
+from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, style_on_load
 from .features import REAL, TEXT
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
@@ -36,34 +36,38 @@ EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
 HELP = """
 <p>Enlarges a region of a map and keeps the shape of the rest, as far as that is possible: a map in
 which one country, city or coast is larger, and all around it is still to be recognised.</p>
-<p>The region in focus becomes <i>Scale</i> times as large, exactly. All other lines keep their
-direction and shape; their scale changes smoothly. What holds a country together are not its
-outlines alone: east and west coast must know of each other. So the tool adds <i>relevant edges</i>,
-diagonals between points that are close to each other though the way along the outline is long, and
-keeps these as well. By default it finds the smallest set of them by itself, the cuts of the tool
-<i>Partition polygons at bottlenecks</i>. All features are solved together: islands move with their
-mainland, and points that lines or polygons share stay together.</p>
-<p><b>Which relevant edges.</b> <i>MinSize</i>, the optimal set, is the best choice: few edges, and
-the shape is kept. <i>Greedy</i> (van Dijk and others 2013) needs more edges. <i>Proximity</i> (Harrie
-and Sarjakoski 2002) and <i>None</i> are there to compare with. Smaller values of tau give more edges
-and a stiffer map.</p>
-<p><b>Result.</b> No lines cross that did not cross before, polygons stay valid, and with <i>Keep
-the extent</i> nothing leaves the frame. Where that cannot be done, the tool says why, and gives the
-map with the largest scale that it reached. The numbers tell how much the triangles of the polygons
-are distorted: the share of the area that lies upside down, and the change of angles.</p>
-<p><b>Further layers</b> (rivers, towns, labels) are carried along by the same deformation; they are
-written in the CRS of the map.</p>
-<p><b>Needs</b> a projected CRS: in degrees, shapes have no meaning. Large maps are solved on a
-simplified outline of about 3,000 points, and all their detail is carried along.</p>
-<p>Method: J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant
-edges: J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016,
-section 5.1.</p>
+<p>The map must be in a projected CRS: in degrees, shapes have no meaning. The region may be a feature
+of the map: choose the same layer, and tick <i>Selected features only</i>.</p>
+{lists}
+<h3>How it works</h3>
+<p>All lines outside the region keep their direction and shape, and their scale changes smoothly. What
+holds a country together are not its outlines alone: east and west coast must know of each other. So
+the tool adds <i>relevant edges</i>, diagonals between points that are close to each other though the
+way along the outline is long, and keeps these as well. By default it finds the smallest set of
+them by itself, the cuts of the tool <i>Partition polygons at bottlenecks</i>. All features are solved
+together: islands move with their mainland, and points that lines or polygons share stay together.
+Large maps are solved on a simplified outline of about 3,000 points, and all their detail is carried
+along.</p>
+<h3>Which relevant edges</h3>
+<p><i>MinSize</i>, the optimal set, is the best choice: few edges, and the shape is kept. <i>Greedy</i>
+(van Dijk and others 2013) needs more edges. <i>Proximity</i> (Harrie and Sarjakoski 2002) and
+<i>None</i> are there to compare with.</p>
+<h3>Guarantee</h3>
+<p>No lines cross that did not cross before, polygons stay valid, and with <i>Keep the extent</i>
+nothing leaves the frame. Where that cannot be done, the tool says why, and gives the map with the
+largest scale that it reached. The numbers tell how much the triangles of the polygons are distorted:
+the share of the area that lies upside down, and the change of angles.</p>
+<h3>Method</h3>
+<p>J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant edges: J.-H.
+Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section
+5.1.</p>
 """
 
 
 class FocusMapAlgorithm(IsthmusAlgorithm):
     """Enlarge a region of a map in its context."""
 
+    help_text = HELP
     FOCUS = "FOCUS"
     SCALE = "SCALE"
     EDGES = "EDGES"
@@ -105,9 +109,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
     def shortDescription(self):
         return "Enlarges a region of a map and keeps the shape of the rest."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def canExecute(self):
         problem = dependency_problem() or scipy_problem()
         return not problem, problem
@@ -132,13 +133,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         add(
             QgsProcessingParameterNumber(
                 self.SCALE,
-                "Scale",
+                "Scale (times as large)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=2.0,
                 minValue=0.01,
                 maxValue=100.0,
             ),
-            "How many times as large the region becomes. Below 1 it shrinks; 1 changes nothing.",
+            "How many times as large the region becomes, exactly. Below 1 it shrinks; 1 changes nothing.",
+            decimals=2,
         )
         add(
             QgsProcessingParameterFeatureSource(
@@ -149,6 +151,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             ),
             "Your own relevant edges, such as the cuts of the partition tool: lines between points of "
             "the map. If there are none, the tool finds them by the rule below.",
+            advanced=True,
         )
         add(
             QgsProcessingParameterEnum(
@@ -162,6 +165,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             "as long as the straight line, for all diagonals of a triangulation. MinLength: those of "
             "least total length. Greedy: van Dijk and "
             "others 2013. Proximity: Harrie and Sarjakoski 2002. None: only the lines of the map.",
+            advanced=True,
         )
         add(
             QgsProcessingParameterNumber(
@@ -173,9 +177,11 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             ),
             "Smaller values give more edges and a stiffer map. Not used by Proximity; where there "
             "are islands, edges join them by the same measure.",
+            advanced=True,
+            decimals=2,
         )
         add(
-            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map", True),
+            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map (frame)", True),
             "On: the map stays inside the extent that it has, and reaches to its sides. Off: it "
             "grows, the region stays where it is, and the outermost points keep their scale.",
         )
@@ -371,6 +377,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 feature.setGeometry(one.moved(result.rows[start:start + count]))
             start += count
             _add(sink, feature)
+        style_on_load(context, destination, None, 2)
         return {self.OUTPUT: destination}
 
     def _write_edges(self, parameters, context, crs, result):
@@ -397,7 +404,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             feature.setGeometry(features.line_geometry(result.moved, ends, 0))
             feature.setAttributes([kind, length, longer])
             _add(sink, feature)
-        style_on_load(context, destination, "cuts.qml")
+        style_on_load(context, destination, "cuts.qml", 0)
         return {self.EDGES_USED: destination}
 
     def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):

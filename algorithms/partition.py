@@ -1,39 +1,40 @@
 """The tool ``isthmus:partition``."""
 
 from ..core.errors import Unsolvable
-from .base import one_line
 from .cutting import CuttingTool
 
 # Seconds that a polygon may take to close the gap of MinLength and MinWeight
 TIME_LIMIT = 540.0
 
 HELP = """
-<p>Cuts polygons at their isthmuses, straits and necks into natural parts.</p>
-<p>Two points on opposite sides of a neck are close to each other, but the way along the outline
-is long. <i>Largest detour</i> (tau) says how many times longer than the straight line it may be:
-the tool finds the smallest number of cuts so that, for every diagonal of a Delaunay triangulation
-of the polygon, the way along the outline and the cuts is at most tau times as long as the
-diagonal. Cuts join existing vertices: no vertex is moved or added, and the parts fit together
-exactly.</p>
-<p><b>Choosing tau.</b> 4 is a good start. Smaller values cut more. Necks that people have named
-mostly have a detour between 5 and 30, and the more detailed an outline, the larger its detours.
-If creeks and inlets are cut off that you do not care for, raise <i>Shortest diagonal that
-counts</i>; if islands or lakes attract cuts, raise <i>Smallest hole that counts</i>.</p>
-<p><b>What to minimize.</b> <i>MinSize</i> takes the fewest cuts, <i>MinLength</i> the shortest ones
-in total: it prefers short cuts across narrow necks. <i>MinWeight</i> minimizes the sum of weights
-that an expression gives to the candidates.</p>
-<p><b>Guarantee.</b> For a polygon without holes no solution has fewer cuts. MinLength and MinWeight
-come with a proven lower bound of the cost, and the field <i>gap</i> tells how far above it the
-solution may be. The search ends where the gap is as small as you ask for, or after nine minutes
-for a polygon. With holes the tool first joins them by shortest cuts; what follows is a good
-solution, not always the best, and the lower bound is that of the polygon opened along these cuts.
-The detour of every diagonal is kept within tau in either case.</p>
-<p><b>Units.</b> Lengths and areas are in the units of the layer; if its coordinates are degrees,
-they are metres, measured on the ellipsoid, and the triangulation is that of the Mercator
-projection. The results stay in the CRS of the layer.</p>
+<p>Cuts polygons at their isthmuses, straits and necks into natural parts: a peninsula from its
+continent, a bay from its sea.</p>
+<p>You set one number, the <i>largest detour</i> (tau). Two points on opposite sides of a neck are
+close to each other, but the way along the outline is long: many times longer than the straight
+line. The tool finds the smallest number of cuts that leaves no place with a detour above tau.
+Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.</p>
+<h3>Choosing tau</h3>
+<p>4 is a good start; smaller values cut more. Necks that people have named mostly have a detour
+between 5 and 30, and the more detailed an outline, the larger its detours. <i>Detour trade-off
+curve</i> shows what each value costs.</p>
+<p>If creeks and inlets are cut off that you do not care for, raise <i>Ignore cuts below</i>. If
+lakes or islands attract cuts, raise <i>Ignore holes below</i>.</p>
+{lists}
+<h3>Units</h3>
+<p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
+metres and square metres on the ellipsoid. The results stay in the CRS of the layer.</p>
+<h3>Guarantee</h3>
+<p>Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection,
+if its coordinates are degrees), and the cuts are chosen from them. In the result the way along the
+outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no
+solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a proven lower bound of the
+cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for a
+polygon. Holes are first joined by shortest cuts; what follows is a good solution, not always
+the best, and the lower bound is that of the polygon opened along these cuts.</p>
 <p>Multipart features are split part by part. What cannot be split (invalid geometry, for one)
 passes through unchanged, with the reason in the field <i>status</i>.</p>
-<p>Method: J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+<h3>Method</h3>
+<p>J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
 GIScience 2016.</p>
 """
 
@@ -41,6 +42,7 @@ GIScience 2016.</p>
 class PartitionAlgorithm(CuttingTool):
     """Partition polygons so that every candidate is within tau."""
 
+    help_text = HELP
     TAU = "TAU"
 
     def name(self):
@@ -58,9 +60,6 @@ class PartitionAlgorithm(CuttingTool):
     def shortDescription(self):
         return "Cuts polygons at isthmuses, straits and necks into natural parts."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def initAlgorithm(self, configuration=None):
         self.add_input()
         self.add_dynamic(
@@ -68,8 +67,9 @@ class PartitionAlgorithm(CuttingTool):
             "Largest detour (tau)",
             4.0,
             1.0,
-            "How many times longer than a diagonal the way along outline and cuts may be; at least "
-            "1. Smaller values cut more. A field or expression sets it for each feature.",
+            "How many times longer than the straight line across a neck the way along the outline may "
+            "be; at least 1. Smaller values cut more. A field or expression can set it for each "
+            "feature.",
         )
         self.add_objective()
         self.add_candidates()

@@ -3,7 +3,6 @@
 import math
 
 from ..core.errors import Unsolvable
-from .base import one_line
 from .cutting import CuttingTool
 from .features import REAL
 
@@ -13,25 +12,29 @@ TIME_LIMIT = 60.0
 HELP = """
 <p>Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much
 length or weight of cuts, for each feature. Instead of guessing tau, say "ten cuts".</p>
-<p>The tool finds the smallest detour that is achievable within the budget. The field <i>tau</i> of
-the parts tells it: the largest dilation that remains for any candidate of the feature. It is exact,
-an achieved value: with any smaller one the budget would be exceeded.</p>
-<p><b>Budget.</b> With <i>MinSize</i> it counts cuts, with <i>MinLength</i> it is their total length
-(in the units of the layer; in metres if its coordinates are degrees), with <i>MinWeight</i> the sum
-of the weights. Multipart features share one budget.</p>
-<p>Holes must be connected by cuts, which count. A feature whose holes alone need more than the
-budget passes through unchanged; its status tells the least budget possible.</p>
-<p><b>Guarantee.</b> For polygons without holes the answer is exact for MinSize. For MinLength and
-MinWeight it is so where each trial could be proven; where not, the tool says so. With holes it is the
-best that the tool finds.</p>
-<p>Method: the dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph
-Augmentation, GIScience 2016, section 2.</p>
+<p>The tool finds the smallest detour that is achievable within the budget, and writes it to the
+field <i>tau</i> of the parts. It is an achieved value: with any smaller one the budget would be
+exceeded. What a detour is, the tool <i>Partition polygons at bottlenecks</i> explains.</p>
+{lists}
+<h3>Units</h3>
+<p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
+metres and square metres on the ellipsoid.</p>
+<h3>Guarantee</h3>
+<p>For polygons without holes the answer is exact for <i>MinSize</i>. For <i>MinLength</i> and
+<i>MinWeight</i> it is so where each trial could be proven; where not, the tool says so. With holes it
+is the best that the tool finds. Holes must be connected by cuts, which count. A feature whose holes
+alone need more than the budget passes through unchanged; its status tells the least budget
+possible.</p>
+<h3>Method</h3>
+<p>The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+GIScience 2016, section 2.</p>
 """
 
 
 class PartitionBudgetAlgorithm(CuttingTool):
     """Partition polygons with the smallest dilation that a budget allows."""
 
+    help_text = HELP
     BUDGET = "BUDGET"
     extra_fields = (("tau", REAL),)
 
@@ -50,9 +53,6 @@ class PartitionBudgetAlgorithm(CuttingTool):
     def shortDescription(self):
         return "Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def initAlgorithm(self, configuration=None):
         self.add_input()
         self.add_dynamic(
@@ -61,7 +61,8 @@ class PartitionBudgetAlgorithm(CuttingTool):
             10.0,
             0.0,
             "The largest number of cuts (MinSize), total length (MinLength) or total weight "
-            "(MinWeight) for each feature. A field or expression sets it for each feature.",
+            "(MinWeight) for each feature; length in the units of the layer, or in metres if its "
+            "coordinates are degrees. A field or expression can set it for each feature.",
         )
         self.add_objective()
         self.add_candidates()

@@ -17,7 +17,7 @@ from qgis.core import (
 
 from . import areas as layer
 from . import features
-from .base import IsthmusAlgorithm, Steps, one_line, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
@@ -30,16 +30,16 @@ HELP = """
 <p>Splits the areas of a land-cover map at their bottlenecks, so that <i>Aggregate areas</i> can give
 the parts of one area to different regions. Less then has to change its class, and the regions become
 more compact.</p>
+<p>Run <i>Aggregate areas</i> with the pieces next: pieces of one area that end in one region are
+merged again.</p>
+{lists}
+<h3>What the map should be like</h3>
 <p>The areas should fill the map without overlaps and gaps; what is found of these is counted and
 reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the
-other. No vertex is moved or added, so what neighbours share they still share.</p>
-<p>The table of neighbours lists the pieces <i>a</i> and <i>b</i> (numbers of the field
-<i>piece</i>) with the <i>length</i> of their shared boundary in metres; <i>virtual</i> is 1 for a cut
-between two pieces of one area.</p>
-<p>An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in
-<i>status</i>. Run <i>Aggregate areas</i> with the pieces next: pieces of one area that end in one
-region are merged again.</p>
-<p>Method: J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+other. No vertex is moved or added, so what neighbours share they still share. An area that
+cannot be cut (invalid, for one) passes through in one piece, with the reason in <i>status</i>.</p>
+<h3>Method</h3>
+<p>J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
 GIScience 2016, section 5.2.</p>
 """
 
@@ -47,6 +47,7 @@ GIScience 2016, section 5.2.</p>
 class PrepareAggregationAlgorithm(IsthmusAlgorithm):
     """Split the areas of a coverage at bottlenecks."""
 
+    help_text = HELP
     CLASS = "CLASS"
     TAU = "TAU"
     OBJECTIVE = "OBJECTIVE"
@@ -81,9 +82,6 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
     def shortDescription(self):
         return "Splits land-cover areas at bottlenecks before they are aggregated."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def initAlgorithm(self, configuration=None):
         add = self.add
         number = QgsProcessingParameterNumber.Type
@@ -101,13 +99,14 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             QgsProcessingParameterNumber(
                 self.TAU, "Largest detour (tau)", number.Double, defaultValue=4.0, minValue=1.0
             ),
-            "How many times longer than a diagonal the way along outline and cuts may be; at least "
-            "1. Smaller values cut more.",
+            "How many times longer than the straight line across a neck the way along the outline may "
+            "be; at least 1. Smaller values cut more.",
+            decimals=2,
         )
         add(
             QgsProcessingParameterEnum(
-                self.OBJECTIVE, "Objective", [BY_SIZE, BY_LENGTH], defaultValue=BY_SIZE,
-                usesStaticStrings=True,
+                self.OBJECTIVE, "What to minimize: number or length of cuts", [BY_SIZE, BY_LENGTH],
+                defaultValue=BY_SIZE, usesStaticStrings=True,
             ),
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
@@ -115,23 +114,28 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
             QgsProcessingParameterNumber(
                 self.MIN_LENGTH,
-                "Shortest diagonal that counts (layer units; metres for degrees)",
+                "Ignore cuts below (layer units; metres if degrees)",
                 QgsProcessingParameterNumber.Type.Double,
                 defaultValue=0.0,
                 minValue=0.0,
             ),
-            "Diagonals shorter than this are neither cut nor bounded. A hole may still be connected "
-            "by a shorter cut.",
+            "Possible cuts that are shorter than this are left out, whatever the detour. A hole may "
+            "still be connected by a shorter cut. In the units of the layer, or in metres if its "
+            "coordinates are degrees.",
+            decimals=3,
         )
         add(
             QgsProcessingParameterNumber(
                 self.MIN_HOLE,
-                "Smallest hole that counts (area in square layer units; square metres for degrees)",
+                "Ignore holes below (layer units²; m² if degrees)",
                 number.Double,
                 defaultValue=0.0,
                 minValue=0.0,
+                maxValue=LARGEST,
             ),
-            "Holes with a smaller area stay holes of a piece, and no cut is attached to them.",
+            "Holes with a smaller area stay holes of a piece, and no cut is attached to them. In the "
+            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            decimals=3,
         )
         add(
             QgsProcessingParameterFeatureSink(

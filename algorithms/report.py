@@ -8,7 +8,8 @@ WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 720, 340, 70, 48, 16, 20
 STYLE = """
 body { font: 15px/1.45 sans-serif; max-width: 760px; margin: 2em auto; padding: 0 1em; color: #222 }
 h1 { font-size: 1.5em } h2 { font-size: 1.15em; margin: 2em 0 .3em }
-table { border-collapse: collapse; margin: .6em 0 } caption { text-align: left; color: #555 }
+table { border-collapse: collapse; margin: .6em 0 }
+caption { text-align: left; color: #555; white-space: nowrap }
 td, th { padding: .15em .8em; border-bottom: 1px solid #ddd; text-align: right }
 svg { max-width: 100%; height: auto } svg text { font: 12px sans-serif; fill: #444 }
 """
@@ -39,18 +40,31 @@ def page(title, intro, curves):
 
 
 def _table(curve):
+    own_cost = curve["cost"] != curve["cuts"]  # otherwise the number of cuts is the cost
     rows = [
-        f"<tr><td>{curve['tau'][k]:.4g}</td><td>{curve['cuts'][k]}</td>"
-        f"<td>{curve['cost'][k]:.6g}</td><td>{100 * curve['share'][k]:.1f} %</td></tr>"
+        f"<tr><td>{_round_up(curve['tau'][k], curve['tau'][k - 1] if k else math.inf)}</td>"
+        f"<td>{curve['cuts'][k]}</td>"
+        + f"<td>{curve['cost'][k]:.6g}</td>" * own_cost
+        + f"<td>{100 * curve['share'][k]:.1f} %</td></tr>"
         for k in curve["marked"]
     ]
     if not rows:
         return "<p>No step pays off more than another.</p>"
     return (
-        "<table><caption>The steps that pay off most. Set tau to the value given, or a little "
-        f"more.</caption><tr><th>tau</th><th>cuts</th><th>{html.escape(curve['unit'])}</th>"
-        f"<th>largest part</th></tr>{''.join(rows)}</table>"
+        "<table><caption>The steps that pay off most: the tau to set, and what it gives.</caption>"
+        "<tr><th>tau</th><th>cuts</th>"
+        + f"<th>{html.escape(curve['unit'])}</th>" * own_cost
+        + f"<th>largest part</th></tr>{''.join(rows)}</table>"
     )
+
+
+def _round_up(tau, above):
+    """A short number from tau up to less than the tau of the step above, to be typed in."""
+    for digits in range(2, 16):
+        text = f"{math.ceil(tau * 10**digits) / 10**digits:.{digits}f}"
+        if tau <= float(text) < above:
+            return text
+    return repr(tau)
 
 
 def _plot(curve):

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
+    QgsExpression,
+    QgsExpressionContext,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputNumber,
@@ -17,7 +19,7 @@ from qgis.core import (
 from ..core.errors import Cancelled, Unsolvable
 from ..core.progress import checker, stretch
 from . import report
-from .base import Steps, one_line
+from .base import Steps
 from .cutting import BY_SIZE, PartitionTool
 from .features import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
@@ -35,28 +37,29 @@ FIELDS = (
 UNITS = {"MinSize": "number of cuts", "MinLength": "length of the cuts", "MinWeight": "weight"}
 
 HELP = """
-<p>Shows, for each feature, what it costs to bound the detour: the least cost of the cuts as a
-function of tau. It is a falling step function. The table has one row for each step: from its tau up
-to that of the step before, its solution is the cheapest.</p>
-<p><b>How to read it.</b> Go through the curve from large tau to small. A step where the detour falls
-a lot for one more cut has found a real neck; then follows a long stretch where nothing changes. Where
-steps come thick and fast, the cuts no longer fall on necks but nibble at every bay. Good values of tau
-lie at the end of a long stretch. The report marks the five steps that pay off most: the largest fall
-of the detour (on a logarithmic scale) for what they cost more. Take one of these values, or a little
-more, as tau of <i>Partition polygons at bottlenecks</i>, or their number of cuts as budget of
-<i>Partition polygons within a budget</i>.</p>
-<p><i>largest_part_share</i> is the area of the largest part in the area of the feature: near 1 as long
-as only small pieces come off.</p>
-<p>The curve starts at the larger bound of tau (0: without bound, so with no cut but those that
-connect holes) and ends at the smaller one, or after the number of steps you give.</p>
-<p>The steps are exact for polygons without holes and MinSize. MinLength and MinWeight have very many
-steps and take longer.</p>
+<p>Shows, for each feature, what every value of tau costs: how many cuts, or how much length or
+weight, <i>Partition polygons at bottlenecks</i> would need for it. Take a value from the report as its
+tau, or a number of cuts as the budget of <i>Partition polygons within a budget</i>.</p>
+<h3>How to read it</h3>
+<p>Go through the curve from large tau to small. A step where the detour falls a lot for one more
+cut has found a real neck; then follows a long stretch where nothing changes. Where steps come
+thick and fast, the cuts no longer fall on necks but nibble at every bay. Good values of tau lie
+at the end of a long stretch.</p>
+<p>The report marks the five steps that pay off most: the largest fall of the detour (on a logarithmic
+scale) for what they cost more.</p>
+{lists}
+<h3>Guarantee</h3>
+<p>The table has one row for each step: from its tau up to that of the step before, its solution is
+the cheapest. The steps are exact for polygons without holes and <i>MinSize</i>. <i>MinLength</i> and
+<i>MinWeight</i> have very many steps and take longer. Lengths are in the units of the layer; if its
+coordinates are degrees, they are metres.</p>
 """
 
 
 class TradeoffAlgorithm(PartitionTool):
     """The step function cost(tau) of each feature."""
 
+    help_text = HELP
     TAU_MIN = "TAU_MIN"
     TAU_MAX = "TAU_MAX"
     STEPS = "STEPS"
@@ -79,9 +82,6 @@ class TradeoffAlgorithm(PartitionTool):
     def shortDescription(self):
         return "Shows what each value of tau costs, and marks the values that pay off."
 
-    def shortHelpString(self):
-        return one_line(HELP)
-
     def initAlgorithm(self, configuration=None):
         number = QgsProcessingParameterNumber
         self.add_input()
@@ -89,10 +89,12 @@ class TradeoffAlgorithm(PartitionTool):
         self.add(
             number(self.TAU_MIN, "Smallest tau", number.Type.Double, 4.0, minValue=1.0),
             "Where the curve ends, at least 1.",
+            decimals=2,
         )
         self.add(
             number(self.TAU_MAX, "Largest tau (0: no bound)", number.Type.Double, 0.0, minValue=0.0),
-            "Where the curve starts; 0 starts with no cut at all.",
+            "Where the curve starts; 0 starts with no cut at all, but those that connect holes.",
+            decimals=2,
         )
         self.add(
             number(self.STEPS, "Most steps of a feature", number.Type.Integer, 50, minValue=1),
@@ -101,14 +103,15 @@ class TradeoffAlgorithm(PartitionTool):
         self.add_candidates()
         self.add(
             QgsProcessingParameterFeatureSink(
-                self.OUTPUT, "Steps", QgsProcessing.SourceType.TypeVector
+                self.OUTPUT, "Trade-off steps", QgsProcessing.SourceType.TypeVector
             ),
             "A table with a row for each step: source (id of the feature), tau (the least dilation "
-            "achievable at this cost), cuts, length, cost, largest_part_share.",
+            "achievable at this cost), cuts, length, cost, largest_part_share (the area of the "
+            "largest part in that of the feature).",
         )
         self.add(
             QgsProcessingParameterFileDestination(
-                self.REPORT, "Report", "HTML files (*.html)", optional=True
+                self.REPORT, "Trade-off report", "HTML files (*.html)", optional=True
             ),
             "A page with a plot for each feature and the steps that pay off most.",
         )
@@ -144,6 +147,7 @@ class TradeoffAlgorithm(PartitionTool):
         if sink is None:
             raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
 
+        name_of = self._names(parameters, context)
         curves, count, skipped = [], 0, 0
         steps = Steps(source, feedback)
         for feature in steps:
@@ -180,7 +184,7 @@ class TradeoffAlgorithm(PartitionTool):
             _, tau, cuts, _, cost, share = map(list, zip(*rows))
             curves.append(
                 {
-                    "name": f"Feature {feature.id()}",
+                    "name": name_of(feature),
                     "unit": UNITS[objective],
                     "tau": tau,
                     "cost": cost,
@@ -201,10 +205,25 @@ class TradeoffAlgorithm(PartitionTool):
             results[self.REPORT] = path
         return results
 
+    def _names(self, parameters, context):
+        """Return the function that names a feature: by the display name of its layer, and its id."""
+        layer = self.parameterAsVectorLayer(parameters, self.INPUT, context)
+        expression = QgsExpression(layer.displayExpression() if layer is not None else "")
+        scopes = QgsExpressionContext()
+
+        def name_of(feature):
+            scopes.setFeature(feature)
+            name = expression.evaluate(scopes)
+            if isinstance(name, str) and name.strip():  # a number would be another id
+                return f"{name.strip()} (feature {feature.id()})"
+            return f"Feature {feature.id()}"
+
+        return name_of
+
     def _write_report(self, path, name, objective, curves):
         intro = [
-            f"Objective: {objective}. Each curve shows the least cost of the cuts for every bound "
-            "tau on the detour.",
+            f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
+            f"detours within it ({objective}).",
             "A long flat stretch means that nothing more is to be gained for a while: good values "
             "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
             "fall of the detour (on a logarithmic scale) for what they cost more.",

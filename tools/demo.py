@@ -22,8 +22,10 @@ from qgis.core import (
     QgsFillSymbol,
     QgsMapRendererParallelJob,
     QgsMapSettings,
+    QgsProperty,
     QgsRectangle,
     QgsSingleSymbolRenderer,
+    QgsSymbolLayer,
     QgsVectorLayer,
 )
 from qgis.PyQt.QtCore import QSize
@@ -118,8 +120,11 @@ def draw(world):
     cuts.loadNamedStyle(str(STYLES / "cuts.qml"))
     parts.loadNamedStyle(str(STYLES / "parts.qml"))
     first = ", ".join(f"'{code}', {colour}" for code, colour in COUNTRIES.items())
-    colour = parts.renderer()
-    colour.setClassAttribute(f"({colour.classAttribute()} + map_get(map({first}), iso_a2)) % 8")
+    fill_colour = QgsSymbolLayer.Property.PropertyFillColor
+    symbol = parts.renderer().symbol().symbolLayer(0)
+    expression = symbol.dataDefinedProperties().property(fill_colour).expressionString()
+    own = expression.replace("abs($id)", f"(part + map_get(map({first}), iso_a2))")
+    symbol.setDataDefinedProperty(fill_colour, QgsProperty.fromExpression(own))
     borders = layer(f"{world}|layername=countries")
     borders.setRenderer(fill("transparent", "#77726a", 0.18))
 

@@ -105,6 +105,19 @@ def test_tradeoff(run, rooms, tmp_path):
     text = report.read_text(encoding="utf-8")
     assert text.count("<svg") == 1 and "http" not in text
     assert re.findall(r"<circle", text)
+    assert "<h2>Feature 1</h2>" in text
+    shown = re.findall(r"<tr><td>([\d.]+)</td><td>(\d+)</td>", text)
+    assert shown
+    for tau, cuts in shown:  # a tau of the report, typed into the dialog, gives what it says
+        assert len(tau.split(".")[1]) == 2
+        assert partition(run, rooms, TAU=float(tau))["CUT_COUNT"] == int(cuts)
+
+
+def test_report_calls_features_by_their_names(run, layer, tmp_path):
+    report = tmp_path / "report.html"
+    source = layer("Polygon?crs=EPSG:3857&field=name:string", [(THREE_ROOMS, ["<Rooms>"])])
+    run("isthmus:tradeoff", {"INPUT": source, "OUTPUT": "memory:", "REPORT": str(report)})
+    assert "<h2>&lt;Rooms&gt; (feature 1)</h2>" in report.read_text(encoding="utf-8")
 
 
 def test_tradeoff_stops_where_it_is_told_to(run, layer, feedback, tmp_path):

@@ -2,14 +2,21 @@
 
 import builtins
 import configparser
+import gc
+import html
 from pathlib import Path
 
 import pytest
 from qgis.core import (
     QgsApplication,
+    QgsExpressionContext,
+    QgsFeature,
     QgsProcessingContext,
+    QgsProcessingModelAlgorithm,
     QgsProcessingParameterDefinition,
+    QgsProcessingParameterNumber,
     QgsProject,
+    QgsSymbolLayer,
     QgsVectorLayer,
 )
 
@@ -41,6 +48,71 @@ def test_every_tool_explains_itself(tools):
             assert parameter.help(), (tool.id(), parameter.name())
             hidden = QgsProcessingParameterDefinition.Flag.FlagHidden
             assert parameter.description() and not parameter.flags() & hidden
+
+
+def test_labels_fit_into_the_dialog_as_qgis_opens_it(tools):
+    """The form is 380 pixels wide; a longer label moves the buttons out of sight."""
+    for tool in tools:
+        for parameter in tool.parameterDefinitions():
+            optional = QgsProcessingParameterDefinition.Flag.FlagOptional
+            label = parameter.description() + " [optional]" * bool(parameter.flags() & optional)
+            assert len(label) <= 52, (tool.id(), label)
+
+
+def test_help_panel_lists_everything(tools):
+    for tool in tools:
+        panel = tool.shortHelpString()
+        assert "{" not in panel and "\n" not in panel
+        assert "<b>" not in panel  # QGIS draws it dark in the dark theme, too
+        for parameter in tool.parameterDefinitions():
+            for text in (parameter.description(), parameter.help()):
+                assert html.escape(text) in panel, (tool.id(), parameter.name())
+
+
+def test_numbers_say_their_units_and_show_few_decimals(tools):
+    for tool in tools:
+        for parameter in tool.parameterDefinitions():
+            if parameter.name() in ("MIN_LENGTH", "MIN_HOLE"):
+                assert "layer units" in parameter.description()
+                assert "if degrees" in parameter.description()
+                # a distance parameter says "degrees" beside the field, where metres are meant
+                assert parameter.type() == "number"
+            if parameter.name() in ("MIN_HOLE", "THRESHOLD", "BUDGET"):
+                assert parameter.maximum() >= 1e15  # the whole earth in square metres
+            if parameter.type() == "number" and not parameter.name().startswith("WEIGHT"):
+                whole = parameter.dataType() == QgsProcessingParameterNumber.Type.Integer
+                shown = parameter.metadata().get("widget_wrapper", {}).get("decimals", 6)
+                assert whole or shown <= 3, (tool.id(), parameter.name())
+
+
+def test_the_first_look_is_short(tools):
+    advanced = QgsProcessingParameterDefinition.Flag.FlagAdvanced
+    for tool in tools:
+        plain = [
+            p for p in tool.parameterDefinitions()
+            if not p.isDestination() and not p.flags() & advanced
+        ]
+        assert len(plain) <= 9, (tool.id(), len(plain))
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "resources" / "models").glob("*.model3")), ids=str)
+def test_models_explain_themselves(provider, path):
+    model = QgsProcessingModelAlgorithm()
+    assert model.fromFile(str(path))
+    assert model.helpContent()["ALG_DESC"]
+    components = model.parameterComponents()
+    names = [p.name() for p in model.parameterDefinitions() if not p.isDestination()]
+    assert set(names) == set(components)
+    # the dialog shows them in the order in which they stand below each other in the designer
+    heights = [components[name].position().y() for name in names]
+    assert heights == sorted(heights)
+    for parameter in model.parameterDefinitions():
+        assert parameter.description() and parameter.help(), parameter.name()
+    for child in model.childAlgorithms().values():
+        tool = child.algorithm()
+        assert tool is not None and tool.id().startswith("isthmus:")
+        known = {p.name() for p in tool.parameterDefinitions()}
+        assert set(child.parameterSources()) <= known
 
 
 def test_frozen_names(tools):
@@ -76,19 +148,58 @@ def test_defaults(tools):
     assert parameters["CUTS"].createByDefault() and not parameters["DIAGONALS"].createByDefault()
 
 
-def test_loaded_results_are_styled(provider):
+def load(destinations):
+    """Load results as the window does: each on top of the one before, in the order of their ids."""
     from isthmus.algorithms.base import style_on_load
 
+    project = QgsProject()
     context = QgsProcessingContext()
-    context.setProject(QgsProject.instance())
-    details = QgsProcessingContext.LayerDetails("Parts", QgsProject.instance(), "OUTPUT")
-    for style, kind in (("parts.qml", "categorizedSymbol"), ("cuts.qml", "singleSymbol")):
-        context.addLayerToLoadOnCompletion("there", details)
-        style_on_load(context, "there", style)
-        target = QgsVectorLayer("Polygon" if style == "parts.qml" else "LineString", "x", "memory")
-        processor = context.layerToLoadOnCompletionDetails("there").postProcessor()
-        processor.postProcessLayer(target, context, None)
-        assert target.renderer().type() == kind
+    context.setProject(project)
+    layers = {}
+    for style, kind, name, rank in destinations:
+        layer = QgsVectorLayer(kind, name, "memory")
+        layers[layer.id()] = layer
+        details = QgsProcessingContext.LayerDetails(name, project, name)
+        context.addLayerToLoadOnCompletion(layer.id(), details)
+        style_on_load(context, layer.id(), style, rank)
+    for key, details in context.layersToLoadOnCompletion().items():
+        project.addMapLayer(layers[key])
+        details.postProcessor().postProcessLayer(layers[key], context, None)
+    return project
+
+
+def test_loaded_results_are_styled_and_cuts_lie_on_top(provider):
+    for _ in range(3):  # the context of a run takes its post-processors with it
+        project = load(
+            [
+                ("parts.qml", "Polygon", "Parts", 3),
+                (None, "LineString", "All diagonals", 1),
+                ("cuts.qml", "LineString", "Cuts", 0),
+                (None, "Polygon", "Focus map", 2),
+            ]
+        )
+        tree = project.layerTreeRoot().layerOrder()
+        assert [layer.name() for layer in tree] == ["Cuts", "All diagonals", "Focus map", "Parts"]
+        assert [layer.renderer().symbol().symbolLayerCount() for layer in tree] == [2, 1, 1, 1]
+        gc.collect()
+
+
+def test_parts_have_eight_colours_whatever_their_fields(qgis_app):
+    for kind in ("Polygon", "Polygon?field=piece:integer"):
+        parts = QgsVectorLayer(kind, "x", "memory")
+        parts.loadNamedStyle(str(ROOT / "resources" / "styles" / "parts.qml"))
+        fill = parts.renderer().symbol().symbolLayer(0)
+        colour = fill.dataDefinedProperties().property(
+            QgsSymbolLayer.Property.PropertyFillColor
+        )
+        colours = set()
+        for number in range(-9, 9):  # new features of a layer in editing have negative ids
+            context = QgsExpressionContext()
+            context.setFeature(QgsFeature(parts.fields(), number))
+            value, valid = colour.valueAsColor(context)
+            assert valid
+            colours.add(value.name())
+        assert len(colours) == 8
 
 
 @pytest.mark.parametrize("absent", [{"shapely"}, {"triangle"}, {"shapely", "triangle"}])
