@@ -105,6 +105,7 @@ def facts(tools):
             ],
             "parameters": {
                 p.name(): {
+                    "label": p.description(),
                     "result": p.isDestination(),
                     "default": reference.shown(p.defaultValue()).strip("`"),
                     "options": list(p.options()) if p.type() == "enum" else None,
@@ -147,8 +148,12 @@ def name_problems(text, facts, root=ROOT):
 
 
 def default_problems(text, facts):
-    """Defaults and values of parameters that are not so: "`TAU` (default 4)", "`TAU` = 4"."""
+    """Defaults, labels and values that are not so: "`TAU` (default 4)", "`TAU` (*Label*)", "`TAU` = 4"."""
     problems = []
+    for name, label in re.findall(r"`([A-Z_]+)` \(\*([^*]+)\*\)", " ".join(prose(text).split())):
+        labels = {t["parameters"][name]["label"] for t in facts.values() if name in t["parameters"]}
+        if not any(one.startswith(label) for one in labels):
+            problems.append(f"the label of {name} is {labels}, and not {label}")
     for line in prose(text).splitlines():
         named = re.search(r"\[`(isthmus:\w+)`\]", line)
         tools = [facts[named[1]]] if named and named[1] in facts else list(facts.values())
@@ -551,6 +556,11 @@ def test_drift_of_a_tool_is_seen(facts):
     changed = copy.deepcopy(facts)
     changed["isthmus:partition"]["parameters"]["TAU"]["default"] = "5"
     assert default_problems(readme, changed) == ["the default of TAU is {'5'}, and not 4"]
+    changed = copy.deepcopy(facts)
+    for tool in changed.values():
+        if "MIN_LENGTH" in tool["parameters"]:
+            tool["parameters"]["MIN_LENGTH"]["label"] = "Shortest cut"
+    assert any("the label of MIN_LENGTH" in one for one in default_problems(readme, changed))
     changed = copy.deepcopy(facts)
     for tool in changed.values():
         for one in tool["parameters"].values():
