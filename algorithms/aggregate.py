@@ -24,6 +24,7 @@ from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
+REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
