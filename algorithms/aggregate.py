@@ -391,7 +391,7 @@ class _Run:
 
     def field(self, name, needed=True):
         """Index of a field that a parameter names; -1 where it names none."""
-        wanted = (self.tool.parameterAsFields(self.parameters, name, self.context) or [""])[0]
+        wanted = self.tool.parameterAsString(self.parameters, name, self.context)
         index = self.source.fields().lookupField(wanted) if wanted else -1
         if index < 0 and (needed or wanted):
             names = ", ".join(field.name() for field in self.source.fields())
