@@ -126,6 +126,15 @@ def arrange(kept, polygons, owner, crs):
     weight = np.where(size > 0, size, 1.0)
     x = np.bincount(owner, weights=moment[:, 0], minlength=n) / weight
     y = np.bincount(owner, weights=moment[:, 1], minlength=n) / weight
+    # of an area that crosses itself, parts count as negative: its centroid might be anywhere
+    ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
+    row_area = np.repeat(ring_area, np.diff(offsets))
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, row_area, xy)
+    np.maximum.at(high, row_area, xy)
+    some = np.isfinite(low[:, 0])
+    x[some] = np.clip(x[some], low[some, 0], high[some, 0])
+    y[some] = np.clip(y[some], low[some, 1], high[some, 1])
     if crs.isGeographic() and n:
         middle = np.median(x)
         x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)

@@ -81,7 +81,7 @@ def prepare_cases(draw):
         "TAU": draw(weights(1.0, 1.2, 2.0, 4.0, 1e9)),
         "OBJECTIVE": draw(weights("MinSize", "MinSize", "MinLength")),
         "MIN_LENGTH": draw(weights(0.0, 0.0, 1.0, 1e300)),
-        "MIN_HOLE": draw(weights(0.0, 0.0, 2.0, 1e300)),
+        "MIN_HOLE": draw(weights(0.0, 0.0, 2.0, 1e18)),
     }
     odd = name != "code"
     bad = draw(st.integers(0, 29)) == 0
@@ -112,7 +112,7 @@ def aggregate_cases(draw):
     output, cancel = draw(outputs())
     rng = Random(draw(layers.seeds))
     bad = False
-    theta = draw(weights(0.0, 0.7, 1.5, 2.5, 4.0, 8.0, 1e9, 1e307))
+    theta = draw(weights(0.0, 0.7, 1.5, 2.5, 4.0, 8.0, 1e9, 1e18))
     parameters = {
         "THRESHOLD": theta, "DISTANCE": draw(weights("equal", "equal", "code", "table")),
         "WEIGHT_CHANGE": draw(weights(1.0, 1.0, 0.0, 0.3, 1e6)),
