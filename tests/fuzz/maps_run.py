@@ -18,7 +18,6 @@ from qgis.core import (  # noqa: E402
     QgsApplication,
     QgsCoordinateTransformContext,
     QgsFeature,
-    QgsField,
     QgsGeometry,
     QgsProcessingContext,
     QgsProcessingException,
@@ -29,14 +28,14 @@ from qgis.core import (  # noqa: E402
     QgsVectorFileWriter,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QVariant  # noqa: E402
 
+from isthmus.algorithms import features  # noqa: E402
 from isthmus.algorithms.aggregate import AggregateAlgorithm  # noqa: E402
 from isthmus.algorithms.focus_map import FocusMapAlgorithm  # noqa: E402
 from isthmus.algorithms.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
 from isthmus.algorithms.provider import IsthmusProvider  # noqa: E402
 
-TYPES = {"string": QVariant.String, "integer": QVariant.LongLong, "double": QVariant.Double}
+KINDS = {"string": features.TEXT, "integer": features.LONG, "double": features.REAL}
 DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
 
 
@@ -119,7 +118,7 @@ def open_layer(one, folder):
     uri = one["type"] + (f"?crs={one['crs']}" if one["crs"] else "")
     made = QgsVectorLayer(uri, "layer", "memory")
     provider = made.dataProvider()
-    provider.addAttributes([QgsField(name, TYPES[kind]) for name, kind in one["fields"]])
+    provider.addAttributes([features.field(name, KINDS[kind]) for name, kind in one["fields"]])
     made.updateFields()
     rows = []
     for geometry, values in one["rows"]:
