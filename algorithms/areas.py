@@ -191,7 +191,7 @@ def union(geometries):
     # a repaired outline may have come apart in lines, too
     valid = [
         part for one in valid if not one.isNull() for part in one.asGeometryCollection()
-        if part.type() == QgsWkbTypes.GeometryType.PolygonGeometry
+        if part.constGet().dimension() == 2
     ]
     whole = QgsGeometry.unaryUnion(valid)
     return whole if not whole.isEmpty() else QgsGeometry.collectGeometry(geometries)

@@ -15,7 +15,7 @@ import maps  # noqa: E402
 from qgis.core import QgsApplication  # noqa: E402
 
 SEED = 20240607
-CASES = {"prepareaggregation": 40, "aggregate": 50, "focusmap": 50, "prepare_and_aggregate": 12,
+CASES = {"prepareaggregation": 60, "aggregate": 80, "focusmap": 70, "prepare_and_aggregate": 12,
          "partition_and_focus_map": 12}  # fmt: skip
 
 
