@@ -226,6 +226,7 @@ def _run(case, folder, frames):
         return out
     with _disk(case["output"]):
         results, fine = tool.run(parameters, context, feedback)
+    feedback.left = None  # nobody else cancels
     if case["output"] != "folder":
         out.left = [one for one in os.listdir(folder) if one.split(".")[0] in [*case["outputs"], "carried"]]
     if not fine:
