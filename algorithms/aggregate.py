@@ -24,6 +24,7 @@ from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import add_feature, make_fields, open_sink
 
+REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
@@ -355,7 +356,7 @@ class _Run:
 
     def field(self, name, needed=True):
         """Index of a field that a parameter names; -1 where it names none."""
-        wanted = (self.tool.parameterAsFields(self.parameters, name, self.context) or [""])[0]
+        wanted = self.tool.parameterAsString(self.parameters, name, self.context)
         index = self.source.fields().lookupField(wanted) if wanted else -1
         if index < 0 and (needed or wanted):
             names = ", ".join(field.name() for field in self.source.fields())

@@ -97,7 +97,8 @@ class PartitionAlgorithm(CuttingTool):
             ]
             cost = sum(selection.cost for selection in selections)
             gap = cost - sum(selection.lower_bound for selection in selections)
-            if gap > max(max_gap, 1e-9) * cost:
+            # the search ends at exactly the gap allowed, give or take a rounding error
+            if gap > (max_gap + 1e-9) * cost:
                 feedback.pushWarning(
                     f"Feature {feature.id()}: the search ended at a gap of "
                     f"{100.0 * gap / cost:.3g} per cent between the cost and its proven lower "

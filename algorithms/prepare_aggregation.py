@@ -285,7 +285,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
 
 def _class_index(tool, parameters, context, source):
     """Index of the class field."""
-    name = (tool.parameterAsFields(parameters, tool.CLASS, context) or [""])[0]
+    name = tool.parameterAsString(parameters, tool.CLASS, context)
     index = source.fields().lookupField(name)
     if index < 0:
         names = ", ".join(field.name() for field in source.fields())

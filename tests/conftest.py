@@ -4,6 +4,8 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -20,3 +22,17 @@ def _load(name, root):
 
 if "isthmus" not in sys.modules:
     _load("isthmus", ROOT)
+
+
+@pytest.fixture(scope="session")
+def tool():
+    """Load a script of tools/, which is no package, as a module: ``tool(name)``."""
+
+    def tool(name):
+        path = ROOT / "tools" / f"{name}.py"
+        spec = importlib.util.spec_from_file_location(f"isthmus_tools_{name}", path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    return tool

@@ -280,8 +280,10 @@ class _Part:
                 break
             rounds += 1
             check(None)
+            # HiGHS takes indices of 32 bits; scipy before 1.12 hands on others as they are
+            places = np.array([self.rows, self.columns], dtype=np.int32)
             matrix = sparse.csr_array(
-                (self.values, (self.rows, self.columns)), shape=(len(self.low), len(self.cost))
+                (self.values, (places[0], places[1])), shape=(len(self.low), len(self.cost))
             )
             answer = milp(
                 self.cost / unit, integrality=integral, bounds=(0.0, 1.0),

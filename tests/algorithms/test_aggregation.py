@@ -219,7 +219,7 @@ def test_small_areas_join(qgis_app):
 @pytest.mark.parametrize("method", ["greedy", "annealing", "exact"])
 def test_every_method_runs(qgis_app, method):
     if method == "exact":
-        pytest.importorskip("scipy")
+        pytest.importorskip("scipy", minversion="1.9")
     results, layers, said = aggregate(
         strip("abababbaab"), THRESHOLD=300, METHOD=method, ITERATIONS=3000, SEED=4
     )

@@ -43,7 +43,12 @@ def test_contents(archive):
     top = {Path(name).parts[1] for name in files}
     assert all(name.startswith("isthmus/") for name in files)
     assert {"LICENSE", "README.md", "__init__.py", "metadata.txt", "plugin.py", "resources"} <= top
-    assert not top & {".ci", ".gitattributes", ".gitignore", "run", "tests", "tools", "build"}
+    assert not top & {"docs", "run", "tests", "tools", "build"}
+    assert not [name for name in top if name.startswith(".")]
+
+
+def test_rules_of_the_plugin_repository(archive, tool):
+    assert tool("check_plugin").zip_faults(archive.filename)[0] == []
 
 
 @pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")

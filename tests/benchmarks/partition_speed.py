@@ -1,6 +1,6 @@
 """How fast the partition is, beside other things one could do with the same polygon.
 
-    ./run python tests/benchmarks/partition_speed.py [--quick]
+    ./run python tests/benchmarks/partition_speed.py [--quick] [--note]
 
 Prints one table: coasts of GSHHG (see gshhg.py for the package to install) from 1,000 to 1,160,925 vertices, and a corridor and a spiral
 of the same size, whose dual trees are as deep as they are long. Each cell is a process of its own,
@@ -8,10 +8,12 @@ and the median of three runs in it (one where a run takes more than 20 s). Secon
 processor, so that other programs disturb less; all of this runs on one core. Memory is the peak of
 the process, 0.3 GB for reading GSHHG included. The slow columns are left out for the corridor and
 the spiral, where they take more than ten minutes, and with --quick at more than 50,000 vertices.
+--note writes the numbers to docs/measured/partition_speed.json, from where the README takes them.
 """
 
 import argparse
 import json
+import re
 import resource
 import statistics
 import subprocess
@@ -24,7 +26,10 @@ import numpy as np
 import shapely
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-import conftest  # noqa: E402, F401  (makes the package importable)
+import conftest  # noqa: E402  (makes the package importable)
+
+sys.path.insert(0, str(conftest.ROOT / "tools"))
+from measured import note  # noqa: E402
 
 TAU = 4.0
 SIZES = (1000, 10000, 100000, 10**9)
@@ -182,6 +187,7 @@ def measure_in_qgis(column, ring):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--note", action="store_true")
     parser.add_argument("--cell", nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
     rings = polygons()
@@ -196,7 +202,7 @@ def main():
         os._exit(0)  # QGIS may crash when Python takes it down
     for name, ring in rings.items():
         print(f"\n{name} vertices, tau = {TAU:g}")
-        baseline = None
+        baseline, noted = None, {"vertices": len(ring)}
         for column, label in COLUMNS.items():
             if column in SLOW and (name.startswith(DEEP) or options.quick and len(ring) > 50000):
                 continue
@@ -213,11 +219,18 @@ def main():
                 continue
             seconds, result, peak = json.loads(done.stdout.strip().splitlines()[-1])
             baseline = baseline or seconds
+            numbers = [int(word.replace(",", "")) for word in re.findall(r"\d[\d,]*", result)]
+            noted[column] = {"seconds": round(seconds, 3), "gb": round(peak, 2), "count": numbers[0]}
+            if len(numbers) > 1:
+                noted[column]["new"] = numbers[1]
             print(
                 f"  {label:36}{seconds:9.3f} s{seconds / baseline:8.2f} x Triangle"
                 f"{peak:7.2f} GB   {result}",
                 flush=True,
             )
+        if options.note:
+            kind = "eurasia" if "0-E" in name else name.split(",")[0].replace(" ", "_")
+            note("partition_speed", {kind: noted, "source": "partition_speed.py --note"})
 
 
 if __name__ == "__main__":

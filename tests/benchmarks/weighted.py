@@ -1,6 +1,6 @@
 """How good and how fast MinLength and budgets are, beside what others would do.
 
-    ./run python tests/benchmarks/weighted.py [--quick]
+    ./run python tests/benchmarks/weighted.py [--quick] [--note]
 
 Western Europe (committed) and Eurasia of GSHHG (see gshhg.py for the packages to install). Seconds
 are those of the processor, on one core. For each tau:
@@ -12,7 +12,8 @@ are those of the processor, on one core. For each tau:
   w(e). At a generous 10^8 steps a second, this is the length of its optimum for the finest rounding
   that it could afford in the same time.
 
---quick leaves out Eurasia at full resolution.
+--quick leaves out Eurasia at full resolution. --note writes the numbers to docs/measured/weighted.json,
+from where the README takes them.
 """
 
 import argparse
@@ -32,6 +33,9 @@ from isthmus.core import objective_weighted  # noqa: E402
 from isthmus.core.budget import joint_solver, smallest_dilation  # noqa: E402
 from isthmus.core.objective import SLACK, witness_lengths  # noqa: E402
 from isthmus.core.partition import prepare, select  # noqa: E402
+
+sys.path.insert(0, str(conftest.ROOT / "tools"))
+from measured import note  # noqa: E402
 
 STEPS_PER_SECOND = 1e8
 
@@ -76,6 +80,7 @@ def measure(name, ring, taus, max_gap, limit, baselines):
     start = time.process_time()
     prepared = prepare(ring, np.array([0, len(ring)]))
     print(f"\n{name}: {len(ring):,} vertices, prepared in {time.process_time() - start:.1f} s")
+    noted = {"vertices": len(ring)}
     for tau in taus:
         start = time.process_time()
         best = select(prepared, tau, prepared.length, max_gap, limit)
@@ -88,8 +93,14 @@ def measure(name, ring, taus, max_gap, limit, baselines):
             flush=True,
         )
 
-        def beside(label, edges, prepared=prepared, best=best):
+        noted[f"tau_{tau}"] = row = {
+            "km": round(best.cost, 4), "cuts": len(best.selected), "gap": round(gap, 4),
+            "seconds": round(seconds, 1), "gb": round(peak, 2),
+        }  # fmt: skip
+
+        def beside(label, edges, prepared=prepared, best=best, row=row):
             length = prepared.length[edges].sum()
+            row[label] = {"km": round(length, 4), "cuts": len(edges)}
             more = 100.0 * (length / best.cost - 1.0)
             print(f"      {label:10} {length:12.4f} km (+{more:.2f} %), {len(edges):,} cuts")
 
@@ -99,7 +110,9 @@ def measure(name, ring, taus, max_gap, limit, baselines):
             length, step = rounded(prepared, tau, seconds)
             more = 100.0 * (length / best.cost - 1.0)
             print(f"      rounding   {length:12.4f} km (+{more:.2f} %), to {step:.3g} km", flush=True)
-    return prepared
+    seconds = [row["seconds"] for row in noted.values() if isinstance(row, dict)]
+    noted |= {"fastest": min(seconds), "slowest": max(seconds)}
+    return prepared, noted
 
 
 def budgets(prepared):
@@ -109,6 +122,7 @@ def budgets(prepared):
     for _ in range(10):
         solve(4.0)
     one = (time.process_time() - start) / 10
+    times = []
     for budget in (1, 10, 40, 151, 509):
         calls = []
 
@@ -123,19 +137,27 @@ def budgets(prepared):
             f"  budget of {budget:>3} cuts: tau {answer.dilation:.6f}, {len(calls)} solutions, "
             f"{seconds / one:.1f} times the time of one"
         )
+        times.append(round(seconds / one, 1))
+    return {"least": min(times), "most": max(times)}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true")
-    quick = parser.parse_args().quick
-    prepared = measure("Western Europe", western_europe(), (2, 4, 6, 10), 0.0, 60.0, True)
-    budgets(prepared)
+    parser.add_argument("--note", action="store_true")
+    options = parser.parse_args()
+    found = {"source": "weighted.py --note"}
+    prepared, found["western_europe"] = measure(
+        "Western Europe", western_europe(), (2, 4, 6, 10), 0.0, 60.0, True
+    )
+    found["budget"] = budgets(prepared)
     ring = gshhg.sinusoidal(gshhg.eurasia("i"))
-    measure("Eurasia, intermediate", ring, (2, 4, 10), 1e-3, 60.0, False)
-    if not quick:
+    _, found["eurasia_i"] = measure("Eurasia, intermediate", ring, (2, 4, 10), 1e-3, 60.0, False)
+    if not options.quick:
         ring = gshhg.sinusoidal(gshhg.eurasia("f"))
-        measure("Eurasia, full", ring, (4,), 1e-2, 600.0, False)
+        _, found["eurasia_f"] = measure("Eurasia, full", ring, (4,), 1e-2, 600.0, False)
+    if options.note:
+        note("weighted", found)
 
 
 if __name__ == "__main__":

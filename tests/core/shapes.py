@@ -1,10 +1,17 @@
 """Polygons to test with. Coordinates are integers wherever an exact answer is wanted."""
 
+import importlib.util
 import random
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 import shapely
+
+# triangle has no wheels for some machines and for the newest Python
+HAS_TRIANGLE = importlib.util.find_spec("triangle") is not None
+needs_triangle = pytest.mark.skipif(not HAS_TRIANGLE, reason="the package triangle is not installed")
+ENGINES = [pytest.param("triangle", marks=needs_triangle), "shapely"]
 
 
 class Shape(NamedTuple):

@@ -75,7 +75,7 @@ def test_any_candidates_against_all_subsets(seed, settings):
     """Fewer diagonals: faces with many edges, on a lattice."""
     s = shapes.polyomino(seed, 3, 2)
     ring = s.rings[0]
-    lines = ring[shapes.random_diagonals(ring, seed, 0.7)]
+    lines = ring[np.array(shapes.random_diagonals(ring, seed, 0.7))]
     prepared = prepare(*s, lines=lines)
     weight = weights_of("tied" if seed % 2 else "real", prepared, seed)
     expected = brute_force.cheapest(prepared.polygon.xy, prepared.edges, weight, TAUS)

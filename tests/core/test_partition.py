@@ -14,11 +14,10 @@ from isthmus.core.objective import SELF
 
 from . import shapes
 from .brute_force import fewest_cuts
-from .shapes import box, shape
+from .shapes import ENGINES, box, shape
 from .verify import check_dilations, check_everything, check_parts, cut_pairs, polygons, solve
 
 TAUS = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0]
-ENGINES = ["triangle", "shapely"]
 
 
 def cut_count(result):

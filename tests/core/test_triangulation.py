@@ -10,9 +10,8 @@ from isthmus.core.polygon import from_rings
 from isthmus.core.triangulation import diagonals, engine_name, missing_packages
 
 from . import shapes
+from .shapes import ENGINES, needs_triangle
 
-triangle = pytest.importorskip("triangle")
-ENGINES = ["triangle", "shapely"]
 CASES = {
     **shapes.TOUCHING,
     "triangle": shapes.TRIANGLE,
@@ -49,11 +48,12 @@ def test_a_triangulation(name, engine):
     check_triangulation(CASES[name], diagonals(from_rings(*CASES[name]), engine=engine))
 
 
+@needs_triangle
 @pytest.mark.parametrize("seed", range(20))
 def test_engines_agree_where_no_four_points_are_cocircular(seed):
     for s in (shapes.tour(seed, 40), shapes.mosaic(seed, 50)):
         polygon = from_rings(*s)
-        assert np.array_equal(*(diagonals(polygon, engine=engine) for engine in ENGINES))
+        assert np.array_equal(*(diagonals(polygon, engine=engine) for engine in ("triangle", "shapely")))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -139,9 +139,12 @@ CRASHES = {
 }
 
 
+@needs_triangle
 @pytest.mark.parametrize("name", {**CRASHES, **LONLAT, **shapes.TOUCHING})
 def test_triangle_gets_only_what_it_survives(name, monkeypatch):
     """Coincident points, overflow and underflow (of products of four) are segmentation faults."""
+    import triangle
+
     original = triangle.triangulate
 
     def spy(graph, options):
@@ -165,7 +168,8 @@ def test_triangle_gets_only_what_it_survives(name, monkeypatch):
 # ---------------------------------------------------------------- missing packages
 
 
-def test_triangle_first(monkeypatch):
+@needs_triangle
+def test_triangle_first():
     assert engine_name() == "triangle"
     assert missing_packages() == ""
 

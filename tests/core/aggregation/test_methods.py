@@ -1,14 +1,13 @@
 """The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
 
-from importlib.util import find_spec
-
 import numpy as np
 import pytest
 
 from isthmus.core.aggregation.annealing import annealing
-from isthmus.core.aggregation.exact import exact, problems_of
+from isthmus.core.aggregation.exact import exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
 from isthmus.core.aggregation.instance import build, costs, enough, problems, solution
+from isthmus.core.errors import MissingEngine
 
 from .brute_force import cheapest
 from .maps import grid, random_map
@@ -16,11 +15,21 @@ from .maps import grid, random_map
 SEEDS = range(40)
 
 
+def has_highs():
+    try:
+        return bool(require_highs())
+    except MissingEngine:
+        return False
+
+
+needs_highs = pytest.mark.skipif(not has_highs(), reason="scipy is missing or older than 1.9")
+
+
 def by_all_methods(problem):
-    """The solutions of all methods; exact where there is scipy."""
+    """The solutions of all methods; exact where there is its solver."""
     yield greedy(problem)
     yield annealing(problem, iterations=4000)
-    if find_spec("scipy"):
+    if has_highs():
         yield exact(problem).found
 
 
@@ -30,10 +39,10 @@ def check(problem, found):
     assert (found.region[found.core] == np.arange(len(found.core))).all()
 
 
+@needs_highs
 @pytest.mark.parametrize("by_class", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_exact_is_the_cheapest_of_all_partitions(seed, by_class):
-    pytest.importorskip("scipy")
     problem = random_map(seed, by_class=by_class)
     lost = helpless(problem)
     if lost.any():
@@ -201,8 +210,8 @@ def test_best_cores_are_the_cheapest_by_hand():
     assert costs(problem, found).centre_distance == pytest.approx(2 / 3)
 
 
+@needs_highs
 def test_a_time_limit_keeps_a_feasible_map_and_a_bound_below_it():
-    pytest.importorskip("scipy")
     problem = random_map(4, n=60)._replace(theta=np.full(3, 60.0))
     result = exact(problem, seconds=1.0, decompose=False)
     check(problem, result.found)
