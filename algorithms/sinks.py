@@ -7,11 +7,17 @@ import traceback
 from pathlib import Path
 
 from qgis.core import (
+    QgsDataSourceUri,
     QgsFeature,
     QgsFeatureSink,
     QgsFields,
+    QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputLayerDefinition,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterMultipleLayers,
+    QgsProperty,
+    QgsProviderRegistry,
 )
 
 from . import features
@@ -65,6 +71,74 @@ def add_feature(sink, fields, geometry, values, origin=""):
         )
 
 
+def overwriting(tool, parameters, context):
+    """Return a sentence about a result that would overwrite an input or another result, or ''.
+
+    QGIS would open it for writing, and an input be gone before it is read.
+    """
+    taken = {}
+    for definition in tool.parameterDefinitions():
+        for place in _places_read(tool, definition, parameters, context):
+            taken[place] = f"the input {definition.name()}"
+    for definition in tool.parameterDefinitions():
+        if not definition.isDestination():
+            continue
+        file, table = _place_written(parameters.get(definition.name()))
+        if file is None:
+            continue
+        for (other, layer), what in taken.items():
+            # without a table the whole file is made anew
+            if other == file and (None in (table, layer) or table == layer):
+                return (
+                    f"{definition.name()} would overwrite {what}: both are {file}. Choose another file"
+                    + (
+                        ", or another layer of it: "
+                        f"ogr:dbname='{file}' table=\"{definition.name().lower()}\"."
+                        if file.endswith(".gpkg") else "."
+                    )
+                )  # fmt: skip
+        taken[file, table] = f"the result {definition.name()}"
+    return ""
+
+
+def _places_read(tool, definition, parameters, context):
+    """File and layer of each layer that a parameter reads."""
+    value = parameters.get(definition.name())
+    if definition.type() == QgsProcessingParameterMultipleLayers.typeName():
+        layers = tool.parameterAsLayerList(parameters, definition.name(), context)
+    elif definition.type() == QgsProcessingParameterFeatureSource.typeName() and value:
+        source = getattr(value, "source", None)  # of a QgsProcessingFeatureSourceDefinition
+        source = source.staticValue() if isinstance(source, QgsProperty) else value
+        layers = [tool.parameterAsVectorLayer({definition.name(): source}, definition.name(), context)]
+    else:
+        layers = []
+    for layer in layers:
+        provider = layer and layer.dataProvider()
+        if provider and provider.name() == "ogr":
+            parts = QgsProviderRegistry.instance().decodeUri("ogr", layer.source())
+            path = parts.get("path")
+            if path and os.path.isfile(path):
+                yield os.path.realpath(path), parts.get("layerName") or Path(path).stem
+
+
+def _place_written(value):
+    """File and layer of a destination: (None, None) for none, no layer for the whole file."""
+    if isinstance(value, QgsProcessingOutputLayerDefinition):
+        if _appends(value):
+            return None, None
+        value = value.sink
+    if isinstance(value, QgsProperty):
+        value = value.staticValue()
+    if not isinstance(value, str) or value in ("", QgsProcessing.TEMPORARY_OUTPUT):
+        return None, None
+    if value.startswith("ogr:"):
+        uri = QgsDataSourceUri(value[4:])
+        return os.path.realpath(uri.database()), uri.table() or None
+    if ":" in value[2:]:  # memory: and the like; the colon of a drive is the second character
+        return None, None
+    return os.path.realpath(value), None
+
+
 class Sinks:
     """The sinks of one run, for a ``with`` block around all that is written.
 
@@ -87,6 +161,9 @@ class Sinks:
     def __init__(self, tool, parameters, context, feedback):
         self.tool, self.parameters = tool, parameters
         self.context, self.feedback = context, feedback
+        problem = overwriting(tool, parameters, context)
+        if problem:
+            raise QgsProcessingException(problem)
         self.destinations, self.fields = {}, {}
         self._sinks, self._written = {}, {}
 

@@ -83,6 +83,7 @@ def build_parts(polygon, walk, selected, tree, equal_area):
     xy = equal_area(polygon.xy)
     area = np.bincount(owner, weights=signed_areas(xy[polygon.vertex[corners]], offsets),
                        minlength=count)
+    area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
     rank = np.empty(count, dtype=np.int64)
     rank[np.lexsort((np.arange(count), -area))] = np.arange(count)
 

@@ -6,7 +6,12 @@ import signal
 
 import pytest
 from osgeo import gdal
-from qgis.core import QgsProcessingException, QgsVectorLayer
+from qgis.core import (
+    QgsProcessingException,
+    QgsProcessingFeatureSourceDefinition,
+    QgsProject,
+    QgsVectorLayer,
+)
 
 from .test_partition import BOWTIE, DUMBBELL, partition
 
@@ -16,6 +21,11 @@ MANY = 300
 @pytest.fixture
 def source(layer):
     return layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x" * 50])] * MANY)
+
+
+@pytest.fixture
+def few(layer):
+    return layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x"])] * 3)
 
 
 @contextlib.contextmanager
@@ -102,3 +112,36 @@ def test_a_format_that_drops_features_is_said(run, layer, tmp_path):
     with pytest.raises(QgsProcessingException, match="without geometry"):
         partition(run, source, OUTPUT=str(tmp_path / "parts.fgb"))
     assert not list(tmp_path.iterdir())
+
+
+def test_no_input_is_overwritten(run, few, tmp_path):
+    """QGIS would make the file anew and then read it; a cancel would even remove it."""
+    path = tmp_path / "land.gpkg"
+    partition(run, few, OUTPUT=str(path))
+    ways = [str(path), QgsVectorLayer(str(path)), f"{path}|layername=land"]
+    ways.append(QgsProcessingFeatureSourceDefinition(str(path), True))
+    for number, way in enumerate(ways):
+        if isinstance(way, QgsVectorLayer):
+            QgsProject.instance().addMapLayer(way)
+            ways.append(QgsProcessingFeatureSourceDefinition(way.id(), False))
+        for name in ("OUTPUT", "CUTS"):
+            with pytest.raises(QgsProcessingException, match=f"{name} would overwrite the input INPUT"):
+                partition(run, way, **{name: str(path)})
+        with pytest.raises(QgsProcessingException, match="would overwrite the input INPUT"):
+            partition(run, way, OUTPUT=f"ogr:dbname='{path}' table=\"land\" (geom)")
+        assert layers_of(path)["land"] == 9
+        if number != 3:  # nothing is selected
+            partition(run, way, OUTPUT=f"ogr:dbname='{path}' table=\"parts{number}\" (geom)")
+            assert layers_of(path)[f"parts{number}"] >= 9
+    assert len(layers_of(path)) == 5
+    QgsProject.instance().clear()
+
+
+def test_two_results_in_one_file(run, few, tmp_path):
+    path = tmp_path / "both.gpkg"
+    with pytest.raises(QgsProcessingException, match="CUTS would overwrite the result OUTPUT"):
+        partition(run, few, OUTPUT=str(path), CUTS=str(path))
+    assert not path.exists()
+    tables = {name: f"ogr:dbname='{path}' table=\"{name.lower()}\" (geom)" for name in ("OUTPUT", "CUTS")}
+    partition(run, few, **tables)
+    assert layers_of(path) == {"output": 9, "cuts": 6}

@@ -5,7 +5,8 @@ import pytest
 import shapely
 
 from isthmus.core.carving import carve, components, spanning_tree
-from isthmus.core.metric import planar
+from isthmus.core.metric import ellipsoidal, planar
+from isthmus.core.partition import partition
 from isthmus.core.parts import build_parts
 from isthmus.core.polygon import from_rings
 from isthmus.core.triangulation import diagonals
@@ -119,3 +120,13 @@ def test_largest_first_at_extreme_values(factor):
     actual = [part.area for part in polygons(scaled, room.coords)]
     assert actual == sorted(actual, reverse=True)
     assert not np.isnan(scaled.parts.area).any()
+
+
+def test_no_area_is_negative():
+    """A sliver that turns over in the equal-area map of the ellipsoid has an area of zero."""
+    s = shapes.shape([
+        (-8.893350617879417, 5.4688494939487775), (-11.13285190576362, 3.472694694950213),
+        (-9.639851047174151, 4.803464560949256), (-11.960467831353565, 1.3954243996564362),
+    ])  # fmt: skip
+    area = partition(*s, tau=1.0, measure=ellipsoidal()).parts.area
+    assert len(area) == 2 and area.min() == 0.0

@@ -16,7 +16,6 @@ faulthandler.enable()
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "fuzz"
 sys.path.insert(0, str(ROOT / "tests"))
-sys.path.insert(0, "/usr/share/qgis/python/plugins")
 
 import conftest  # noqa: E402, F401  makes the package isthmus
 import hypothesis  # noqa: E402
@@ -30,6 +29,7 @@ def start():
     """A QGIS with the provider."""
     application = QgsApplication([], False)
     application.initQgis()
+    sys.path.append(f"{QgsApplication.pkgDataPath()}/python/plugins")
     from processing.core.Processing import Processing
 
     Processing.initialize()
