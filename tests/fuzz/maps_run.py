@@ -40,18 +40,21 @@ DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
 
 
 class Listener(QgsProcessingFeedback):
-    """Keeps what a tool says; cancels when it was asked so many times."""
+    """Keeps what a tool says; cancels when it was asked, or told of progress, so many times."""
 
     def __init__(self, cancel=None):
         super().__init__(False)
-        self.left, self.asked, self.infos, self.warnings, self.errors = cancel, 0, [], [], []
+        self.left, self.infos, self.warnings, self.errors = cancel, [], [], []
+        self.progressChanged.connect(self._count)  # a model asks by other means
 
-    def isCanceled(self):
-        self.asked += 1
+    def _count(self, share=None):
         if self.left is not None:
             self.left -= 1
             if self.left <= 0:
                 self.cancel()
+
+    def isCanceled(self):
+        self._count()
         return super().isCanceled()
 
     def pushInfo(self, text):
