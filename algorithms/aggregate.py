@@ -318,7 +318,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             f"{100 * results[self.CHANGED_SHARE]:.2f} % of the area changed its class."
         )
         if bound is not None:
-            results[self.LOWER_BOUND] = float(bound)
+            # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
+            results[self.LOWER_BOUND] = float(min(bound, cost.total))
         return results
 
 

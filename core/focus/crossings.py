@@ -16,7 +16,7 @@ import shapely
 
 from .deformation import Bounds
 
-__all__ = ["crossing_pairs", "cycles", "separations", "turned", "upright"]
+__all__ = ["FLAT", "crossing_pairs", "cycles", "separations", "turned", "upright"]
 
 FLAT = 1e-7  # height of a triangle that may turn over, as a share of the map: nobody will see
 

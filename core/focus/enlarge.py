@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from ..errors import Cancelled, Unsolvable
-from ..polygon import from_rings
+from ..polygon import from_rings, signed_areas
 from ..triangulation import triangles
-from .crossings import crossing_pairs, cycles, turned
+from .crossings import FLAT, crossing_pairs, cycles, turned
 from .deformation import focus_program
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .measures import Distortion, distortion
@@ -205,6 +205,7 @@ def enlarge(
         if not len(crossed):
             break
         _refine(xy, outline, crossed, needed)
+    turned_over = _turned_over(graph, xy, starts, polygons)
     shapes = _shapes(graph, starts, polygons)
     was_valid = shapely.is_valid(shapes(xy))
 
@@ -213,6 +214,8 @@ def enlarge(
         if box is not None and np.maximum(box[0] - positions, positions - box[1]).max() > 1e-8:
             return True
         if len(new_crossings(positions, graph.edges, known)) or len(turned(xy, positions, watched)):
+            return True
+        if turned_over(positions):
             return True
         return bool((was_valid & ~shapely.is_valid(shapes(positions))).any())
 
@@ -488,6 +491,23 @@ def _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check):
             offsets = np.append(0, np.cumsum([len(ring) for ring in rings]))
             add(match(xy, np.concatenate(rings)), offsets, f"face {number + 1} between the lines")
     return np.concatenate(chosen)
+
+
+def _turned_over(graph, xy, starts, polygons):
+    """A function that tells of positions whether a ring has turned over; no edges need cross for that."""
+    lines = [k for polygon in polygons for k in polygon if starts[k + 1] > starts[k]]
+    if not lines:
+        return lambda positions: False
+    rows = np.concatenate([graph.vertex[starts[k]:starts[k + 1]] for k in lines])
+    offsets = np.append(0, np.cumsum([starts[k + 1] - starts[k] for k in lines]))
+    before = signed_areas(xy[rows], offsets)
+    step = np.hypot(*np.diff(xy[rows], axis=0, append=xy[rows[:1]]).T)
+    seen = np.abs(before) > FLAT * np.add.reduceat(step, offsets[:-1])
+
+    def turned_over(positions):
+        return bool((seen & (signed_areas(positions[rows], offsets) * before < 0.0)).any())
+
+    return turned_over
 
 
 def _shapes(graph, starts, polygons):

@@ -594,3 +594,18 @@ def test_the_centroid_of_an_area_that_crosses_itself_is_in_it(qgis_app):
     results, layers, _ = aggregate(layer, WEIGHT_CENTRE=1.0, THRESHOLD=90, EXCLUDED="b", METHOD="greedy")
     assert [r["code"] for r in layers["OUTPUT"]] == ["a"]
     assert 100.0 * 5.0 <= results["CENTRE_COST"] <= 100.0 * 16.0
+
+
+def test_the_bound_is_not_above_the_cost(qgis_app):
+    """Where large areas must be cores, cheaper ones are exchanged for them afterwards."""
+    pytest.importorskip("scipy")
+    a, b, c, d, e, f = "1.406 0.792", "1.027 0.080", "-0.019 0.426", "-0.425 1.352", "0.761 2.128", "-0.195 1.742"
+    layer = areas([
+        (f"Polygon (({p}, {q}, {r}, {p}))", code)
+        for p, q, r, code in ((a, b, c, "c"), (d, a, c, "b"), (e, a, d, "c"), (f, e, d, "c"))
+    ])
+    results, _, _ = aggregate(
+        layer, THRESHOLD=0.7, METHOD="exact", BOUNDARY="classes", WEIGHT_BOUNDARY=1.0, WEIGHT_CENTRE=3.0,
+        ITERATIONS=3000,
+    )  # fmt: skip
+    assert 0.0 < results["LOWER_BOUND"] <= results["TOTAL_COST"]

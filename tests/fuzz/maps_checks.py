@@ -313,7 +313,8 @@ def check_aggregate(case, out):
         need = theta.get(text(own_class), least)
         if not status and (need is None or size < need * (1 - 1e-9)):
             wrong.append(f"region {region} is too small ({size} of {need}), and nothing is said")
-        if tame and planar and not close(size, sum(sizes[k] for k in mine)):
+        known = all(shapes[k] is not None or rows[k].geometry().isEmpty() for k in mine)
+        if tame and planar and known and not close(size, sum(sizes[k] for k in mine)):
             wrong.append(f"region {region} has size {size}, its areas {sum(sizes[k] for k in mine)}")
         if tame and not connected(mine, pairs):
             wrong.append(f"region {region} with areas {mine} is not contiguous")
@@ -468,7 +469,7 @@ def check_focus(case, out):
             runs.append((old[start : start + count, :2], new[start : start + count, :2], closed))
             start += count
         wrong += _kept_shape(a, b, extent)
-    if wrong or not olds:
+    if wrong or not olds or case["output"] == "shp":  # its rings start and turn as they like
         return wrong
     old, new = np.concatenate(olds), np.concatenate(news)
     if not len(old):

@@ -301,3 +301,19 @@ def test_a_map_that_is_flat_has_room():
     rows = np.array([(0.0, 5.0), (3.0, 5.0), (6.0, 5.0), (20.0, 5.0)])
     result = enlarge(rows, np.array([0, 4]), [], shapely.box(2, 4, 7, 6), 1.5)
     assert result.scale == 1.5 and result.rows[2, 0] - result.rows[1, 0] == pytest.approx(4.5)
+
+
+def test_a_ring_that_is_mirrored_has_turned_over():
+    """No edges cross in the end: what is left of the way from the input would not show it."""
+    rows, starts, polygons = rings_of(
+        [(-0.21, 1.37), (1.19, 0.78), (0.96, 0.36), (-0.24, -0.4)], [(-0.14, 2.34), (0.94, 1.77), (1.19, 0.78), (-0.21, 1.37)],
+        [(0.28, 2.61), (1.26, 2.96), (0.94, 1.77), (-0.14, 2.34)], [(1.26, 2.96), (2.41, 3.44), (2.06, 1.69), (0.94, 1.77)],
+        [(2.19, 0.88), (2.68, 1.37), (2.93, -0.15), (2.2, 0.25)], [(2.06, 1.69), (3.27, 1.84), (2.68, 1.37), (2.19, 0.88)],
+    )  # fmt: skip
+    focus = shapely.MultiPolygon([shapely.box(-0.47, 0.78, 0.05, 1.97), shapely.box(1.31, 1.44, 2.81, 1.95)])
+    for scale in (1.3, 2.0, 100.0):
+        result = enlarge(rows, starts, polygons, focus, scale)
+        check(rows, starts, polygons, focus, scale, result)
+        for lo, hi in zip(starts[:-1], starts[1:]):
+            before, after = (shapely.LinearRing(one[lo:hi]) for one in (rows, result.rows))
+            assert before.is_ccw == after.is_ccw
