@@ -153,7 +153,7 @@ def enlarge(
     if not np.isfinite(unit):
         raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
     _refuse_outlier(rows, starts, unit)
-    graph, group = _distinct(graph, group, (graph.xy - centre) / unit)
+    graph, group = _distinct(graph, group, rows, (graph.xy - centre) / unit)
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
     if scale == 1.0:
@@ -335,14 +335,18 @@ def _refuse_outlier(rows, starts, unit):
     length = (np.maximum.reduceat(rows, begin) - np.minimum.reduceat(rows, begin)).max(axis=1)
     long = length[length > 0.0] / unit
     if len(long) and np.count_nonzero(long < POINT) * 2 >= len(long):
-        far = rows[np.argmax(np.abs(rows).max(axis=1))]
-        raise Unsolvable(
-            f"the map reaches as far as ({far[0]:g} {far[1]:g}), and compared with that, most of its "
-            "lines are no longer than a point. Is this coordinate right?"
-        )
+        _complain_of_outlier(rows, "most of its lines are no longer than a point")
 
 
-def _distinct(graph, group, xy):
+def _complain_of_outlier(rows, what):
+    x, y = rows[np.argmax(np.abs(rows).max(axis=1))]
+    raise Unsolvable(
+        f"the map reaches as far as ({x:g} {y:g}), and compared with that, {what}. Is this coordinate "
+        "right?"
+    )
+
+
+def _distinct(graph, group, rows, xy):
     """The graph, and the groups, with one vertex for points that the solver could not tell apart."""
     points, first, vertex = np.unique(xy, axis=0, return_index=True, return_inverse=True)
     if len(points) == len(graph.xy):
@@ -350,6 +354,8 @@ def _distinct(graph, group, xy):
     vertex = vertex.ravel()
     merged = np.full(len(points), -1)
     np.maximum.at(merged, vertex, group)
+    if len(np.unique(merged)) < len(np.unique(group)):
+        _complain_of_outlier(rows, "parts of the focus are one point")
     edges = unique_pairs(vertex[graph.edges], len(points))
     return Graph(graph.xy[first], vertex[graph.vertex], edges), merged
 

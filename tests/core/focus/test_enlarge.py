@@ -317,3 +317,10 @@ def test_a_ring_that_is_mirrored_has_turned_over():
         for lo, hi in zip(starts[:-1], starts[1:]):
             before, after = (shapely.LinearRing(one[lo:hi]) for one in (rows, result.rows))
             assert before.is_ccw == after.is_ccw
+
+
+def test_parts_of_the_focus_that_become_one_point():
+    rows = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1e40, 0.0), (1e40, 1e40)])
+    focus = shapely.MultiPolygon([shapely.box(-0.1, -0.1, 0.1, 0.1), shapely.box(0.9, -0.1, 1.1, 0.1)])
+    with pytest.raises(Unsolvable, match="parts of the focus are one point"):
+        enlarge(rows, np.arange(6), [], focus, 1.4)
