@@ -109,7 +109,8 @@ def test_a_second_result_that_cannot_be_made_takes_the_first_with_it(run, source
 
 def test_a_format_that_drops_features_is_said(run, layer, tmp_path):
     source = layer("Polygon?crs=EPSG:3857", [(DUMBBELL, []), (None, []), (BOWTIE, [])])
-    with pytest.raises(QgsProcessingException, match="without geometry"):
+    # newer versions of GDAL refuse the feature themselves
+    with pytest.raises(QgsProcessingException, match="without geometry|NULL geometry"):
         partition(run, source, OUTPUT=str(tmp_path / "parts.fgb"))
     assert not list(tmp_path.iterdir())
 
