@@ -1,9 +1,11 @@
 """The tool ``isthmus:aggregate``."""
 
 import math
+import re
 
 from qgis.core import (
     NULL,
+    QgsFields,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingParameterBoolean,
@@ -22,10 +24,11 @@ from . import features
 from .aggregation_tables import distances, thresholds
 from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
-from .sinks import add_feature, make_fields, open_sink
+from .sinks import Sinks, make_fields
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
+LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -277,7 +280,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             return "A table of class distances (DISTANCES) is needed, or another way to measure them."
         for name in (
             self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
-            self.SECONDS,
+            self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
         ):
             value = self.parameterAsDouble(parameters, name, context)
             if not 0.0 <= value < math.inf:
@@ -297,7 +300,9 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         found, bound = run.solve()
         if found is None:
             return {}
-        results = run.write(found)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            results = run.write(found, sinks)
+        results.update(sinks.destinations)
         cost = costs(run.problem, found)
         size = float(np.sum(run.areas.size))
         results.update({
@@ -313,7 +318,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             f"{100 * results[self.CHANGED_SHARE]:.2f} % of the area changed its class."
         )
         if bound is not None:
-            results[self.LOWER_BOUND] = float(bound)
+            # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
+            results[self.LOWER_BOUND] = float(min(bound, cost.total))
         return results
 
 
@@ -333,6 +339,32 @@ def highs_problem():
     return ""
 
 
+def _pieces(names):
+    """The fields area_id and size of Prepare areas for aggregation, whatever their numbers; or -1.
+
+    The areas may have had fields of these names themselves: then those of the tool have a number
+    (area_id_2), and come last, one after the other.
+    """
+    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
+    for k in range(len(names) - 4, -1, -1):
+        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+            return k, k + 2
+    lower = [name.lower() for name in names]
+    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
+
+
+def _region_fields(class_field):
+    """Fields of the regions; where the class has one of their names, theirs gets a number."""
+    own = QgsFields()
+    own.append(class_field)
+    names = QgsProcessingUtils.combineFields(own, make_fields(REGION_FIELDS)).names()[1:]
+    own = make_fields(((names[0], LONG),))
+    own.append(class_field)
+    for field in make_fields([(name, kind) for name, (_, kind) in zip(names[1:], REGION_FIELDS[1:])]):
+        own.append(field)
+    return own
+
+
 class _Run:
     """One run of the tool."""
 
@@ -342,11 +374,15 @@ class _Run:
         self.class_index = self.field(tool.CLASS)
         self.class_field = source.fields()[self.class_index]
         self.id_index = self.field(tool.AREA_ID, needed=False)
-        names = source.fields()
-        if self.id_index < 0 and names.lookupField("piece") >= 0:
-            self.id_index = names.lookupField("area_id")
-            if self.id_index >= 0:
-                feedback.pushInfo("The field area_id tells which pieces belong to one area.")
+        self.size_index = -1
+        found, size = _pieces(source.fields().names())
+        if self.id_index < 0 and found >= 0:
+            self.id_index = found
+            feedback.pushInfo(
+                f"The field {source.fields()[found].name()} tells which pieces belong to one area."
+            )
+        if self.id_index == found:
+            self.size_index = size
 
     def number(self, name):
         return self.tool.parameterAsDouble(self.parameters, name, self.context)
@@ -382,11 +418,17 @@ class _Run:
         shaped = np.zeros(len(texts), dtype=bool)
         shaped[areas.owner] = True
         self.reason = {}
+        huge = set(areas.owner[~areas.measured].tolist())
         for k, one in enumerate(areas.features):
             if not shaped[k]:
                 self.reason[k] = "it has no geometry" if not one.hasGeometry() else "it is empty"
+            elif k in huge:
+                self.reason[k] = (
+                    f"it has coordinates that are not finite, or larger than {layer.LARGEST:g}"
+                )
             elif texts[k] is None:
                 self.reason[k] = "it has no class"
+        self._tell_invalid(set(layer.invalid(areas).tolist()) - set(self.reason))
         for k, reason in self.reason.items():
             feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
         classes = sorted({one for one in texts if one is not None})
@@ -410,6 +452,37 @@ class _Run:
             self.number(tool.WEIGHT_BOUNDARY), self.number(tool.WEIGHT_CENTRE),
             self.choice(tool.BOUNDARY) == "classes",
         )
+        self._refuse_endless_costs()
+
+    def _tell_invalid(self, numbers, most=10):
+        """Warn of areas that are not valid."""
+        if numbers:
+            ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
+            self.feedback.pushWarning(
+                f"Not valid (an outline crosses itself, for one): {layer.counted(len(ids), 'area')}, "
+                f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
+                "be wrong. Run Fix geometries on the layer first."
+            )
+
+    def _refuse_endless_costs(self):
+        """Complain of weights, distances or coordinates with which costs are no numbers any more."""
+        import numpy as np
+
+        problem = self.problem
+        size, place = problem.size.sum(), problem.place
+        with np.errstate(over="ignore"):
+            extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
+            most = {
+                "class change": size * problem.change * problem.distance.max(initial=0.0),
+                "boundary length": problem.boundary * problem.length.sum(),
+                "centre distance": size * problem.centre * extent,
+            }
+        for name, cost in most.items():
+            if not cost < LARGEST_COST:
+                raise QgsProcessingException(
+                    f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
+                    "smaller weight (or class distances), and see that no area is far away by mistake."
+                )
 
     def solve(self):
         """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
@@ -478,12 +551,13 @@ class _Run:
         else:
             said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
         self.feedback.pushInfo(
-            f"{said} (gap {100 * gap:.2f} %; {result.parts} independent parts, {result.rounds} "
-            "programmes solved)."
+            f"{said} (gap {100 * gap:.2f} %; "
+            f"{layer.counted(result.parts, 'independent part')}, "
+            f"{layer.counted(result.rounds, 'programme')} solved)."
         )
 
-    def write(self, found):
-        """Write the layers; return the results."""
+    def write(self, found, sinks):
+        """Write the layers; return the numbers."""
         import numpy as np
 
         from ..core.aggregation.coverage import joined
@@ -526,17 +600,8 @@ class _Run:
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
         crs = self.source.sourceCrs()
-        own = make_fields((("region", LONG),))
-        own.append(self.class_field)
-        for one in make_fields((
-            ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT)
-        )):
-            own.append(one)
-        sink, destination = open_sink(
-            tool, self.parameters, tool.OUTPUT, self.context, own, wkb_type, crs, True
-        )
-        results = {tool.OUTPUT: destination}
-
+        own = _region_fields(self.class_field)
+        sinks.open(tool.OUTPUT, own, wkb_type, crs)
         size = np.bincount(found.region, weights=problem.size, minlength=count)
         written = 0
         for r, group in enumerate(members):
@@ -548,19 +613,18 @@ class _Run:
                 r + 1, core.attributes()[self.class_index], float(size[r]),
                 len({sources[k] for k in group}), core.id(), faults.get(r, ""),
             ]
-            add_feature(sink, own, geometry, values)
+            sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
             written += 1
         small = [
             r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
         ]
         self._report_small(small, found, size, faults)
-        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, results)
-        results.update({
+        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, sinks)
+        return {
             tool.REGION_COUNT: written,
             tool.TOO_SMALL_COUNT: len(small),
             tool.SKIPPED_COUNT: len(self.reason),
-        })
-        return results
+        }
 
     def _sources(self):
         """What identifies the area of each feature: pieces of one area have the same."""
@@ -596,7 +660,7 @@ class _Run:
                 "No region reaches its minimum size: is the threshold larger than the map?"
             )
 
-    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, results):
+    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, sinks):
         """Write the areas with their regions; ``groups`` has the pieces of each, by its region."""
         tool, areas = self.tool, self.areas
         new_class = type(self.class_field)(self.class_field)
@@ -606,19 +670,14 @@ class _Run:
         for one in make_fields(ASSIGNED_FIELDS[1:]):
             added.append(one)
         own = QgsProcessingUtils.combineFields(self.source.fields(), added)
-        sink, destination = open_sink(
-            tool, self.parameters, tool.ASSIGNMENT, self.context, own, wkb_type, crs, False
-        )
-        if sink is None:
+        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, crs, False):
             return
-        results[tool.ASSIGNMENT] = destination
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), features.dimensions(wkb_type)
-        size_index = self.source.fields().lookupField("size") if self.id_index >= 0 else -1
         for number, ((_, r), group) in enumerate(groups.items()):
             first = areas.features[group[0]]
             values = first.attributes()
-            if len(group) > 1 and size_index >= 0:
-                values[size_index] = float(areas.size[group].sum())
+            if len(group) > 1 and self.size_index >= 0:
+                values[self.size_index] = float(areas.size[group].sum())
             if r is None or group[0] in self.reason:
                 region = NULL if r is None else r + 1
                 values += [region, values[self.class_index], 0, self.reason.get(group[0], "")]
@@ -631,4 +690,4 @@ class _Run:
                 geometry = first.geometry()
             else:
                 geometry = self._shape(group, shapes.get(number), extra, multi)
-            add_feature(sink, own, geometry, values)
+            sinks.add(tool.ASSIGNMENT, geometry, values, f"area {first.id()}")

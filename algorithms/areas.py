@@ -13,6 +13,7 @@ from . import features
 from .solving import measure_of
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
+LARGEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
 
 
 class Areas(NamedTuple):
@@ -24,6 +25,8 @@ class Areas(NamedTuple):
     coverage : core.aggregation.coverage.Coverage
     owner : (q,) int
         The area of each polygon; an area has several if it is multipart, none if it is empty.
+    measured : (q,) bool
+        Whether a polygon is in the coverage: all of its coordinates are numbers, and none is huge.
     size : (n,) float
         In square metres.
     place : (n,) complex
@@ -36,6 +39,7 @@ class Areas(NamedTuple):
     features: list
     coverage: object
     owner: object
+    measured: object
     size: object
     place: object
     metre: float
@@ -45,6 +49,8 @@ class Areas(NamedTuple):
 def with_dimensions(geometry, wkb_type):
     """Return a geometry with the Z and M of a layer; what it lacks becomes 0."""
     own = geometry.wkbType()
+    if geometry.isNull():
+        return geometry
     if QgsWkbTypes.hasZ(own) == QgsWkbTypes.hasZ(wkb_type) and (
         QgsWkbTypes.hasM(own) == QgsWkbTypes.hasM(wkb_type)
     ):
@@ -97,8 +103,9 @@ def arrange(kept, polygons, owner, crs):
     # rings of fewer than three vertices bound nothing
     measure, metre = measure_of(crs), metres_of(crs)
     coords, sizes, ring_polygon = [np.zeros((0, 2))], [], []
+    measured = np.array([(np.abs(rows[:, :2]) <= LARGEST).all() for rows, _ in polygons], dtype=bool)
     for number, (rows, offsets) in enumerate(polygons):
-        if not np.isfinite(rows[:, :2]).all():
+        if not measured[number]:
             continue
         coords.append(rows)
         sizes += [size for size in np.diff(offsets).tolist() if size]
@@ -119,12 +126,21 @@ def arrange(kept, polygons, owner, crs):
     weight = np.where(size > 0, size, 1.0)
     x = np.bincount(owner, weights=moment[:, 0], minlength=n) / weight
     y = np.bincount(owner, weights=moment[:, 1], minlength=n) / weight
+    # of an area that crosses itself, parts count as negative: its centroid might be anywhere
+    ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
+    row_area = np.repeat(ring_area, np.diff(offsets))
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, row_area, xy)
+    np.maximum.at(high, row_area, xy)
+    some = np.isfinite(low[:, 0])
+    x[some] = np.clip(x[some], low[some, 0], high[some, 0])
+    y[some] = np.clip(y[some], low[some, 1], high[some, 1])
     if crs.isGeographic() and n:
         middle = np.median(x)
         x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
         y = EARTH_RADIUS * np.radians(y)
-    return Areas(kept, coverage, owner, np.maximum(size, 0.0) * metre**2, (x + 1j * y) * metre,
-                 metre, measure)
+    return Areas(kept, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
+                 (x + 1j * y) * metre, metre, measure)
 
 
 def neighbours(areas):
@@ -158,9 +174,26 @@ def _multi(geometry):
     return geometry
 
 
+def invalid(areas):
+    """Return the numbers of the areas that are not valid."""
+    import numpy as np
+    import shapely
+
+    from ..core.aggregation.coverage import shapes
+
+    valid = shapely.is_valid(shapes(areas.coverage, len(areas.owner)))
+    return np.unique(areas.owner[~valid])
+
+
 def union(geometries):
-    """Return the union of geometries that do not fit together; nothing of them is lost."""
-    whole = QgsGeometry.unaryUnion(geometries)
+    """Return the union of geometries that do not fit together, repaired where they are not valid."""
+    valid = [one if one.isGeosValid() else one.makeValid() for one in geometries]
+    # a repaired outline may have come apart in lines, too
+    valid = [
+        part for one in valid if not one.isNull() for part in one.asGeometryCollection()
+        if part.constGet().dimension() == 2
+    ]
+    whole = QgsGeometry.unaryUnion(valid)
     return whole if not whole.isEmpty() else QgsGeometry.collectGeometry(geometries)
 
 
@@ -171,3 +204,8 @@ def text(value):
     if isinstance(value, float) and value.is_integer():
         value = int(value)
     return str(value).strip() or None
+
+
+def counted(number, what):
+    """Return "1 area" or "2 areas"."""
+    return f"{number} {what}{'s' * (number != 1)}"

@@ -1,5 +1,6 @@
 """What all tools share: icon, group, the check for missing packages, layer styles."""
 
+import functools
 import html
 import sysconfig
 from pathlib import Path
@@ -41,6 +42,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
 
     INPUT = "INPUT"
     help_text = "{lists}"
+
+    def __init_subclass__(cls, **options):
+        super().__init_subclass__(**options)
+        if "processAlgorithm" in vars(cls):
+            cls.processAlgorithm = _without_frames(cls.processAlgorithm)
 
     def createInstance(self):
         return type(self)()
@@ -102,6 +108,24 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
         return source
+
+
+def _without_frames(process):
+    """Let a tool fail by a new exception, in a frame that holds nothing.
+
+    QGIS keeps the exception that it gets for ever, and with it the frames and the layers open in them.
+    """
+
+    @functools.wraps(process)
+    def processAlgorithm(self, parameters, context, feedback):
+        try:
+            return process(self, parameters, context, feedback)
+        except QgsProcessingException as problem:
+            message = str(problem)
+        del self, parameters, context, feedback
+        raise QgsProcessingException(message)
+
+    return processAlgorithm
 
 
 def dependency_problem():

@@ -24,7 +24,7 @@ def polygons(geometry):
     Parameters
     ----------
     geometry : QgsGeometry
-        Polygon or multipolygon; curves become segments.
+        Polygon or multipolygon; curves become segments. Others have no polygons.
 
     Returns
     -------
@@ -37,6 +37,8 @@ def polygons(geometry):
     abstract = geometry.constGet()
     if QgsWkbTypes.isCurvedType(abstract.wkbType()):
         abstract = abstract.segmentize()
+    if QgsWkbTypes.flatType(QgsWkbTypes.singleType(abstract.wkbType())) != QgsWkbTypes.Type.Polygon:
+        return []
     data = bytes(abstract.asWkb())
     size = 2 + abstract.is3D() + abstract.isMeasure()
     count, place = _counts(data, 0)

@@ -1,13 +1,17 @@
 """The tool ``isthmus:focusmap``."""
 
+import contextlib
+import math
 import time
+from pathlib import Path
 
 from qgis.core import (
     QgsCoordinateTransform,
-    QgsFeature,
+    QgsCsException,
     QgsFeatureRequest,
     QgsFeatureSink,
     QgsFields,
+    QgsGeometry,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -29,6 +33,7 @@ from qgis.core import (
 from . import features
 from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, style_on_load
 from .features import REAL, TEXT
+from .sinks import Sinks, make_fields
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -242,6 +247,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 "to keep. Reproject it to a projected CRS first (tool Reproject layer), such as the "
                 "national grid or the UTM zone."
             )
+        for name, least in ((self.SCALE, 0.0), (self.TAU, 1.0)):
+            value = self.parameterAsDouble(parameters, name, context)
+            if not problem and not least <= value < math.inf:
+                problem = f"{name} must be a number of at least {least:g}, and is {value:g}."
         return problem
 
     def processAlgorithm(self, parameters, context, feedback):
@@ -265,9 +274,17 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 return {}
             held.append(feature)
             runs.append(features.Runs(feature.geometry()))
+        wrong = [k for k, one in enumerate(runs) if not np.isfinite(one.xy).all()]
+        for k in wrong:
+            runs[k] = features.Runs(QgsGeometry())  # as if it had none
+        if wrong:
+            ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
+            feedback.pushWarning(
+                f"Left where they are, since coordinates are not finite (NaN or infinity): feature {ids}."
+            )
         counts = [count for one in runs for count in one.counts]
         if not counts:
-            raise QgsProcessingException("The map has no features with a geometry.")
+            raise QgsProcessingException("The map has no features with a geometry that can be moved.")
         rows = np.concatenate([one.xy for one in runs])
         starts = np.append(0, np.cumsum(counts))
         polygons, first = [], 0
@@ -295,8 +312,9 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         except Cancelled:
             return {}
         except IsthmusError as problem:
-            message = str(problem)
-            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}.") from None
+            message = str(problem).rstrip(".")
+            end = "" if message.endswith("?") else "."
+            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
         for reason in result.skipped[:20]:
             feedback.pushWarning(f"No relevant edges for {reason}.")
         if len(result.skipped) > 20:
@@ -308,11 +326,15 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 f"{result.scale:.3f} times. A smaller scale, a larger map around the region, or "
                 "switching the frame off gives more room."
             )
-        answer = self._write(parameters, context, source, held, runs, result)
-        answer.update(self._write_edges(parameters, context, crs, result))
-        answer.update(
-            self._carry(parameters, context, crs, result, starts, rows, focus, frame, feedback)
-        )
+        with Sinks(self, parameters, context, feedback) as sinks:
+            self._write(sinks, source, held, runs, result)
+            self._write_edges(sinks, crs, result)
+            answer = self._carry(
+                parameters, context, crs, result, starts, rows, focus, frame, feedback
+            )
+        answer.update(sinks.destinations)
+        style_on_load(context, answer.get(self.OUTPUT), None, 2)
+        style_on_load(context, answer.get(self.EDGES_USED), "cuts.qml", 0)
         feedback.setProgress(100)
         answer.update({
             self.SCALE_REACHED: result.scale,
@@ -328,13 +350,22 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _focus(self, source, crs, context):
         """The region in focus, in the CRS of the map."""
+        import numpy as np
         import shapely
 
         found = []
         for geometry in _geometries(source, crs, context):
-            found.append(shapely.from_wkb(bytes(_straight(geometry).asWkb())))
+            data = bytes(_straight(geometry).asWkb())
+            # a ring of two points is no region
+            found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
+        found = [
+            one for one in found
+            if one is not None and np.isfinite(shapely.get_coordinates(one)).all()
+        ]
         if not found:
-            raise QgsProcessingException("The layer of the region to enlarge has no polygons.")
+            raise QgsProcessingException(
+                "The layer of the region to enlarge has no polygons whose coordinates are finite."
+            )
         return shapely.union_all(shapely.make_valid(found))
 
     def _given(self, parameters, context, crs, rows, feedback):
@@ -351,6 +382,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             one, start = features.Runs(geometry), 0
             for count in one.counts:
                 line = one.xy[start:start + count]
+                line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
                 ends.append(np.stack((line[:-1], line[1:]), axis=1))
                 start += count
         ends = np.concatenate(ends)
@@ -363,34 +395,20 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             )
         return found[good]
 
-    def _write(self, parameters, context, source, held, runs, result):
+    def _write(self, sinks, source, held, runs, result):
         kind = QgsWkbTypes.linearType(source.wkbType())
-        sink, destination = self.parameterAsSink(
-            parameters, self.OUTPUT, context, source.fields(), kind, source.sourceCrs()
-        )
-        if sink is None:
-            raise QgsProcessingException(self.invalidSinkError(parameters, self.OUTPUT))
+        sinks.open(self.OUTPUT, source.fields(), kind, source.sourceCrs())
         start = 0
         for feature, one in zip(held, runs):
             count = sum(one.counts)
-            if count:
-                feature.setGeometry(one.moved(result.rows[start:start + count]))
+            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
             start += count
-            _add(sink, feature)
-        style_on_load(context, destination, None, 2)
-        return {self.OUTPUT: destination}
+            sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
-    def _write_edges(self, parameters, context, crs, result):
-        fields = QgsFields()
-        for name, kind in EDGE_FIELDS:
-            fields.append(features.field(name, kind))
-        sink, destination = self.parameterAsSink(
-            parameters, self.EDGES_USED, context, fields, QgsWkbTypes.Type.LineString, crs
-        )
-        if sink is None:
-            if parameters.get(self.EDGES_USED):
-                raise QgsProcessingException(self.invalidSinkError(parameters, self.EDGES_USED))
-            return {}
+    def _write_edges(self, sinks, crs, result):
+        fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
+        if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
+            return
         import numpy as np
 
         before, after = (
@@ -400,12 +418,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         for ends, kind, length, longer in zip(
             result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
         ):
-            feature = QgsFeature(fields)
-            feature.setGeometry(features.line_geometry(result.moved, ends, 0))
-            feature.setAttributes([kind, length, longer])
-            _add(sink, feature)
-        style_on_load(context, destination, "cuts.qml", 0)
-        return {self.EDGES_USED: destination}
+            line = features.line_geometry(result.moved, ends, 0)
+            sinks.add(self.EDGES_USED, line, [kind, length, longer])
 
     def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):
         layers = self.parameterAsLayerList(parameters, self.ALONG, context)
@@ -419,19 +433,30 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         path = self.parameterAsFileOutput(parameters, self.CARRIED, context)
         path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
         written, names = [], []
-        for layer in layers:
-            if feedback.isCanceled():
-                break
-            name = layer.name() or "layer"
-            while name in names:
-                name += "_2"
-            names.append(name)
-            whole = QgsVectorFileWriter.ActionOnExistingFile
-            action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
-            written.append(self._carry_layer(layer, name, path, action, crs, carrier, context))
+        try:
+            for layer in layers:
+                if feedback.isCanceled():
+                    break
+                name = layer.name() or "layer"
+                while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
+                    name += "_2"
+                names.append(name.lower())
+                whole = QgsVectorFileWriter.ActionOnExistingFile
+                action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
+                written.append(
+                    self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
+                )
+        except QgsProcessingException:
+            _discard(path)
+            raise
+        if feedback.isCanceled():
+            _discard(path)
+            return {self.CARRIED_LAYERS: []}
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
-    def _carry_layer(self, layer, name, path, action, crs, carrier, context):
+    def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
+        import numpy as np
+
         options = QgsVectorFileWriter.SaveVectorOptions()
         options.driverName, options.layerName = "GPKG", name
         options.actionOnExistingFile = action
@@ -444,25 +469,51 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
             raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
         transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
+        count, lost = 0, []
         for feature in layer.getFeatures():
+            count += 1
             geometry = feature.geometry()
             if not geometry.isNull():
-                geometry.transform(transform)
-                one = features.Runs(geometry)
-                if one.counts:
+                try:
+                    geometry.transform(transform)
+                    one = features.Runs(geometry)
+                    placed = np.isfinite(one.xy).all()
+                except QgsCsException:
+                    placed = False
+                if not placed:
+                    feature.clearGeometry()
+                    lost.append(feature.id())
+                elif one.counts:
                     feature.setGeometry(one.moved(carrier(one.xy)))
             if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
                 raise QgsProcessingException(
                     f"A feature of {name} could not be written: {writer.errorMessage()}"
                 )
         del writer
+        if lost:
+            feedback.pushWarning(
+                f"{name}: features {', '.join(map(str, lost[:10]))}{' ...' * (len(lost) > 10)} have no "
+                "place in the CRS of the map, and are carried without a geometry."
+            )
         address = f"{path}|layername={name}"
+        # what a full disk swallows, the writer may tell nobody
+        if QgsVectorLayer(address, name, "ogr").featureCount() != count:
+            raise QgsProcessingException(
+                f"{name} could not be written to {path} as a whole. Is the disk full?"
+            )
         details = QgsProcessingContext.LayerDetails(name, context.project(), name)
         if context.project() is not None:
             carried = QgsVectorLayer(address, name, "ogr")
             context.temporaryLayerStore().addMapLayer(carried)
             context.addLayerToLoadOnCompletion(carried.id(), details)
         return address
+
+
+def _discard(path):
+    """Remove what is half written: it would look complete."""
+    for end in ("", "-journal", "-wal", "-shm"):
+        with contextlib.suppress(OSError):
+            Path(path + end).unlink()
 
 
 def scipy_problem():
@@ -491,7 +542,13 @@ def _geometries(source, crs, context):
         if geometry.isNull() or geometry.isEmpty():
             continue
         if transform.isValid() and not transform.isShortCircuited():
-            geometry.transform(transform)
+            try:
+                geometry.transform(transform)
+            except QgsCsException:
+                raise QgsProcessingException(
+                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
+                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
+                ) from None
         yield geometry
 
 
@@ -499,11 +556,3 @@ def _straight(geometry):
     abstract = geometry.constGet()
     curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
     return abstract.segmentize() if curved else abstract
-
-
-def _add(sink, feature):
-    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-        raise QgsProcessingException(
-            "A result could not be written (is the disk full, or a value too long for the format?): "
-            f"{sink.lastError()}"
-        )

@@ -20,7 +20,7 @@ from . import features
 from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
-from .sinks import add_feature, make_fields, open_sink
+from .sinks import Sinks, make_fields
 from .solving import Settings, measure_of, solve, weigh_by_length
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -177,6 +177,13 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            numbers = self._prepare(parameters, context, feedback, source, sinks)
+        style_on_load(context, sinks.destinations.get(self.OUTPUT), "parts.qml")
+        return {**sinks.destinations, **numbers} if numbers else {}
+
+    def _prepare(self, parameters, context, feedback, source, sinks):
+        """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
         from ..core.aggregation.coverage import faults
@@ -188,14 +195,11 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         multi = QgsWkbTypes.isMultiType(steps.wkb_type)
         extra = features.dimensions(steps.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
-        sink, destination = open_sink(
-            self, parameters, self.OUTPUT, context, own, steps.wkb_type, crs, True
-        )
-        pair_fields = make_fields(PAIR_FIELDS)
-        table, table_destination = open_sink(
-            self, parameters, self.ADJACENCY, context, pair_fields,
-            QgsWkbTypes.Type.NoGeometry, QgsCoordinateReferenceSystem(), False,
-        )
+        sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
+        with_table = sinks.open(
+            self.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
+            QgsCoordinateReferenceSystem(), False,
+        )  # fmt: skip
         tau = self.parameterAsDouble(parameters, self.TAU, context)
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         settings = Settings(
@@ -213,7 +217,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 for task in tasks
             ]
 
-        # pieces: (area, coords, offsets, status); empty areas have none
+        # pieces: (area, coords, offsets, status, whether it is the whole area); empty areas have none
         kept, pieces, empty, skipped, classless = [], [], [], 0, 0
         for feature in steps:
             number = len(kept)
@@ -226,6 +230,9 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             except Cancelled:
                 break
             problems = "; ".join(dict.fromkeys(one.problem for one in solved if one.problem))
+            # as it came, even with a ring that is not closed
+            curved = QgsWkbTypes.isCurvedType(geometry.wkbType())
+            whole = len(solved) == 1 and bool(problems) and not curved
             if not solved:
                 problems = "it has no geometry" if not feature.hasGeometry() else "it is empty"
                 empty.append((number, problems))
@@ -236,51 +243,52 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
                 for part in range(len(one.area)):
                     rings = one.rings(part)
                     offsets = np.cumsum([0] + [len(ring) for ring in rings])
-                    pieces.append(
-                        (number, one.coords[np.concatenate(rings)], offsets, one.problem)
-                    )
+                    coords = one.coords[np.concatenate(rings)]
+                    pieces.append((number, coords, offsets, one.problem, whole))
         if feedback.isCanceled():
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
         found = layer.arrange(
-            pieces, [(coords, offsets) for _, coords, offsets, _ in pieces],
+            pieces, [(coords, offsets) for _, coords, offsets, *_ in pieces],
             range(len(pieces)), crs,
         )
-        for k, (number, coords, offsets, status) in enumerate(pieces):
+        for k, (number, coords, offsets, status, whole) in enumerate(pieces):
             feature = kept[number]
             rings = [np.arange(lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
-            geometry = features.polygon_geometry(coords, rings, extra, multi)
+            if whole:
+                geometry = feature.geometry()
+                if multi:
+                    geometry.convertToMultiType()
+            else:
+                geometry = features.polygon_geometry(coords, rings, extra, multi)
             values = [feature.id(), k + 1, float(found.size[k]), status]
-            add_feature(sink, own, geometry, feature.attributes() + values)
+            sinks.add(self.OUTPUT, geometry, feature.attributes() + values, f"area {feature.id()}")
         for number, status in empty:
             feature = kept[number]
             values = [feature.id(), layer.NULL, 0.0, status]
-            add_feature(sink, own, feature.geometry(), feature.attributes() + values)
+            sinks.add(
+                self.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"
+            )
 
         area = np.array([number for number, *_ in pieces], dtype=np.int64)
-        if table is not None:
+        if with_table:
             pairs, length = layer.neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-                add_feature(table, pair_fields, None, [a + 1, b + 1, shared, cut])
+                sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])
 
         wrong = faults(found.coverage)
         overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
         overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
         _report(feedback, kept, overlaps, wrong.gaps, classless)
-        style_on_load(context, destination, "parts.qml")
-        results = {
-            self.OUTPUT: destination,
+        return {
             self.AREA_COUNT: len(kept),
             self.PIECE_COUNT: len(pieces) + len(empty),
             self.SKIPPED_COUNT: skipped,
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-        if table is not None:
-            results[self.ADJACENCY] = table_destination
-        return results
 
 
 def _class_index(tool, parameters, context, source):
@@ -302,16 +310,18 @@ def _report(feedback, kept, overlaps, gaps, classless, most=10):
             f"{kept[a].id()} and {kept[b].id()}" for a, b in overlaps[:most].tolist()
         )
         feedback.pushWarning(
-            f"{len(overlaps)} pairs of areas overlap: {some}{' ...' * (len(overlaps) > most)}. "
-            "Nothing was changed about that; sizes count the common part twice."
+            f"{layer.counted(len(overlaps), 'pair')} of areas overlap: {some}"
+            f"{' ...' * (len(overlaps) > most)}. Nothing was changed about that; sizes count the common "
+            "part twice."
         )
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
         feedback.pushWarning(
-            f"{len(gaps)} gaps inside the map belong to no area, at {some}"
+            f"{layer.counted(len(gaps), 'gap')} inside the map without an area, at {some}"
             f"{' ...' * (len(gaps) > most)}. Areas on both sides of a gap are no neighbours there."
         )
     if classless:
         feedback.pushWarning(
-            f"{classless} areas have no class. Aggregation will leave them as they are."
+            f"Without a class: {layer.counted(classless, 'area')}. Aggregation will leave such areas as "
+            "they are."
         )

@@ -26,7 +26,7 @@ LARGEST_GROUP = 40  # areas that follow one that would cut them off
 LARGEST_EXACT = 400  # areas of a region for which every core is tried
 SMALL, RUNS_OF_SMALL = 100, 4  # areas of a small map, and into how many runs its effort is cut
 HARD = 1e6  # price of a missing square metre when none may be missing
-EXCLUDED = 1e30  # stands for an infinite threshold: finite, so that differences are numbers
+EXCLUDED = 1e30  # least to stand for an infinite threshold: finite, so that differences are numbers
 
 
 class Schedule(NamedTuple):
@@ -140,7 +140,8 @@ class _State:
             self.members[r].add(v)
         self.free = list(range(slots - 1, used - 1, -1))
         self.regions = used
-        self.theta = np.minimum(problem.theta, EXCLUDED)[problem.cls]
+        excluded = max(EXCLUDED, 1e6 * float(problem.size.sum()))
+        self.theta = np.minimum(problem.theta, excluded)[problem.cls]
         self.by_class = problem.by_class and problem.boundary > 0.0
         self.bonus = 0.0  # price of one more region, to steer towards the number wanted
         self.stamp = np.zeros(slots, dtype=np.int64)

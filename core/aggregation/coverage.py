@@ -14,7 +14,7 @@ import shapely
 
 from ..polygon import signed_areas
 
-__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shared"]
+__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared"]
 
 
 class Coverage(NamedTuple):
@@ -84,7 +84,8 @@ def cover(coords, offsets, ring_polygon, tolerance=None):
         Polygon of each ring, ascending; the first ring of each is its shell.
     tolerance : float, optional
         How far a vertex may lie from a vertex or an edge of a neighbour to count as on it; no vertex
-        is moved. Default: 1e-9 of the largest coordinate (6 mm in UTM coordinates).
+        is moved. Default: 1e-9 of the largest coordinate of the edges there (6 mm in UTM
+        coordinates); an area far away does not make the others imprecise.
 
     Returns
     -------
@@ -102,8 +103,6 @@ def cover(coords, offsets, ring_polygon, tolerance=None):
         return Coverage(coords, offsets, ring_polygon, none, none, none, np.zeros((0, 2)), none,
                         none, none, np.zeros((0, 2), dtype=np.int64))
     xy = coords[:, :2] + 0.0  # + 0.0: there is only one zero
-    if tolerance is None:
-        tolerance = 1e-9 * np.abs(xy).max()
     flat = np.ascontiguousarray(xy).view(complex).ravel()
     points, point = np.unique(flat, return_inverse=True)
     point = point.ravel()
@@ -121,6 +120,10 @@ def cover(coords, offsets, ring_polygon, tolerance=None):
     tail, head, row = point[start], point[end], start
     polygon = ring_polygon[ring[edge]]
 
+    reach = np.abs(points).max(axis=1)
+    np.maximum.at(reach, tail, np.abs(points[head]).max(axis=1))
+    np.maximum.at(reach, head, np.abs(points[tail]).max(axis=1))
+    tolerance = 1e-9 * reach if tolerance is None else np.full(len(points), tolerance)
     twin = _twins(tail, head, len(points))
     same = _close(points, tail, head, polygon, twin < 0, tolerance)
     if same is not None:
@@ -171,11 +174,12 @@ def _close(points, tail, head, polygon, is_open, tolerance):
     some = np.unique(np.concatenate((tail[is_open], head[is_open])))
     if len(some) < 2:
         return None
-    shapes = shapely.points(points[some])
-    a, b = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=tolerance)
+    places = shapely.points(points[some])
+    a, b = shapely.STRtree(places).query(places, predicate="dwithin", distance=tolerance[some])
     a, b = some[a[a != b]], some[b[a != b]]
     if not len(a):
         return None
+    a, b = np.concatenate((a, b)), np.concatenate((b, a))
     same = np.arange(len(points))
     while (same[a] != same[b]).any():
         np.minimum.at(same, a, same[b])
@@ -195,15 +199,20 @@ def _junctions(points, tail, head, polygon, open_edges, tolerance):
         return none, none
     a, b = points[tail[open_edges]], points[head[open_edges]]
     ends = np.unique(np.concatenate((tail[open_edges], head[open_edges])))
-    tree = shapely.STRtree(shapely.linestrings(np.stack((a, b), axis=1)))
-    which, line = tree.query(shapely.points(points[ends]), predicate="dwithin", distance=tolerance)
+    reach = np.maximum(tolerance[tail[open_edges]], tolerance[head[open_edges]])
+    tree = shapely.STRtree(shapely.points(points[ends]))
+    lines = shapely.linestrings(np.stack((a, b), axis=1))
+    line, which = tree.query(lines, predicate="dwithin", distance=reach)
     at, point = open_edges[line], ends[which]
     # a polygon's own corner beside its edge is its shape, and no junction
     own = np.isin(polygon[at] * len(points) + point, polygon * len(points) + tail)
     at, point = at[~own], point[~own]
     along = points[head[at]] - points[tail[at]]
-    share = ((points[point] - points[tail[at]]) * along).sum(axis=1) / (along**2).sum(axis=1)
-    inner = (share > 0.0) & (share < 1.0)
+    off = points[point] - points[tail[at]]
+    share = (off * along).sum(axis=1) / (along**2).sum(axis=1)
+    # an edge that comes from far away is imprecise, and must not take the points around here
+    beside = np.abs(off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0])
+    inner = (share > 0.0) & (share < 1.0) & (beside <= tolerance[point] * np.hypot(*along.T))
     at, point, share = at[inner], point[inner], share[inner]
     order = np.lexsort((share, at))
     return at[order], point[order]
@@ -297,7 +306,7 @@ def faults(coverage):
     Looks at the edges without a twin and at one inner point of each polygon. Two complete coverages
     on top of each other with polygons that only cross may have more overlaps than are listed.
     """
-    polygons = _shapes(coverage)
+    polygons = shapes(coverage)
     valid = shapely.is_valid(polygons) & ~shapely.is_empty(polygons)
     number = np.flatnonzero(valid)
     tree = shapely.STRtree(polygons[valid])
@@ -324,17 +333,24 @@ def faults(coverage):
     return Faults(np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0), gaps)
 
 
-def _shapes(coverage):
-    """The polygons as shapely geometries; empty where a ring has fewer than three points."""
-    count = int(coverage.ring_polygon.max(initial=-1)) + 1
+def shapes(coverage, count=None):
+    """Return the polygons as shapely geometries; empty where a ring has fewer than three points.
+
+    Parameters
+    ----------
+    count : int, optional
+        Number of polygons. Default: up to the last one that has a ring.
+    """
+    if count is None:
+        count = int(coverage.ring_polygon.max(initial=-1)) + 1
     size = np.diff(coverage.offsets)
     short = np.unique(coverage.ring_polygon[size < 3])
     good = ~np.isin(coverage.ring_polygon, short)
     rows = np.flatnonzero(np.repeat(good, size))
     ring = np.repeat(np.cumsum(good) - 1, size)[rows]
-    shapes = np.full(count, shapely.Polygon(), dtype=object)
+    result = np.full(count, shapely.Polygon(), dtype=object)
     if not len(rows):
-        return shapes
+        return result
     lines = shapely.linearrings(coverage.coords[rows, :2], indices=ring)
     owner = coverage.ring_polygon[good]
     first = np.append(True, owner[1:] != owner[:-1])
@@ -346,8 +362,8 @@ def _shapes(coverage):
         bounds = np.append(np.flatnonzero(first), len(owner))
         for s in with_holes.tolist():
             made[s] = shapely.polygons(lines[bounds[s]], lines[bounds[s] + 1:bounds[s + 1]])
-    shapes[owner[first]] = made
-    return shapes
+    result[owner[first]] = made
+    return result
 
 
 def joined(coverage, label):

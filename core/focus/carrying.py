@@ -36,7 +36,7 @@ class Carrier:
         from scipy.spatial import Delaunay
 
         low, high = points.min(axis=0), points.max(axis=0)
-        size = (high - low).max()
+        size = (high - low).max() or 1.0
         self._shift, self._size = (low + high) / 2.0, size
         corners = shapely.get_coordinates(
             shapely.segmentize(shapely.box(*(low - MARGIN * size), *(high + MARGIN * size)), size / 20.0)

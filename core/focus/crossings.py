@@ -4,6 +4,9 @@ As van Dijk and Haunert (2014) do, the way to a map with crossings is followed u
 There they glue the point of contact to the edge; here, as in Haunert and Sering (2011), the two
 edges must leave a strip free between them. So nothing touches that did not touch before, and lines
 may slide along each other, and part again.
+
+A triangle can turn over with no two of its edges apart from each other, so no crossing tells of it.
+The triangles of the map are watched on their own.
 """
 
 from __future__ import annotations
@@ -13,7 +16,9 @@ import shapely
 
 from .deformation import Bounds
 
-__all__ = ["crossing_pairs", "separations"]
+__all__ = ["FLAT", "crossing_pairs", "cycles", "separations", "turned", "upright"]
+
+FLAT = 1e-7  # height of a triangle that may turn over, as a share of the map: nobody will see
 
 
 def crossing_pairs(xy, edges, moved=None):
@@ -83,6 +88,93 @@ def separations(xy, edges, pairs, gap):
         normal=np.repeat(strip / width[:, None], 4, axis=0),
         least=np.repeat(gap * width, 4),
     )
+
+
+def cycles(n, edges):
+    """Return the triangles of a graph: three vertices with an edge between each two.
+
+    Parameters
+    ----------
+    n : int
+        Number of vertices.
+    edges : (m, 2) int
+        Pairs u < v, each once.
+
+    Returns
+    -------
+    (k, 3) int
+
+    Notes
+    -----
+    O(m sqrt(m)): each edge leaves its end of lower degree.
+    """
+    degree = np.bincount(edges.ravel(), minlength=n)
+    swap = degree[edges[:, 0]] > degree[edges[:, 1]]
+    low, high = np.where(swap, edges.T[::-1], edges.T)
+    order = np.argsort(low, kind="stable")
+    low, high = low[order], high[order]
+    start = np.searchsorted(low, np.arange(n + 1))
+    # beside each edge, the others that leave the same vertex
+    count = start[low + 1] - np.arange(len(low)) - 1
+    one = np.repeat(np.arange(len(low)), count)
+    other = one + 1 + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    a, b = np.sort((high[one], high[other]), axis=0)
+    closed = np.isin(a * n + b, edges[:, 0] * n + edges[:, 1])
+    return np.column_stack((low[one], a, b))[closed]
+
+
+def turned(before, after, triangles):
+    """Return the triangles that lie upside down, but for those that are too flat to be seen.
+
+    Parameters
+    ----------
+    before, after : (n, 2) float
+    triangles : (k, 3) int
+    """
+    if not len(triangles):
+        return triangles
+    cross, longest = _cross(before, triangles)
+    return triangles[
+        (np.abs(cross) > FLAT * longest.max(axis=1))
+        & (cross * _cross(after, triangles)[0] < 0.0)
+    ]
+
+
+def upright(xy, triangles, gap):
+    """Return bounds that keep triangles from turning over: each vertex stays off the longest side.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+    triangles : (k, 3) int
+    gap : float
+        The share of the height that must stay.
+
+    Returns
+    -------
+    Bounds
+        Two of each triangle.
+    """
+    cross, length = _cross(xy, triangles)
+    top = length.argmax(axis=1)
+    each = np.arange(len(triangles))
+    p, u, v = (triangles[each, (top + k) % 3] for k in range(3))
+    along = xy[v] - xy[u]
+    normal = np.column_stack((-along[:, 1], along[:, 0])) / length[each, top][:, None]
+    normal *= np.sign(cross)[:, None]
+    return Bounds(
+        p=np.repeat(p, 2),
+        q=np.column_stack((u, v)).ravel(),
+        normal=np.repeat(normal, 2, axis=0),
+        least=np.repeat(gap * np.abs(cross) / length[each, top], 2),
+    )
+
+
+def _cross(xy, triangles):
+    """Twice the signed area of triangles, and the length of the side across from each vertex."""
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    cross = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    return cross, np.stack([np.hypot(*(q - p).T) for p, q in ((b, c), (c, a), (a, b))], axis=1)
 
 
 def _nearest(xy, p, edge):

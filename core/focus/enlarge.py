@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from ..errors import Cancelled, Unsolvable
-from ..polygon import from_rings
+from ..polygon import from_rings, signed_areas
 from ..triangulation import triangles
-from .crossings import crossing_pairs
+from .crossings import FLAT, crossing_pairs, cycles, turned
 from .deformation import focus_program
-from .graph import build_graph, joins, match, unique_pairs
+from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .measures import Distortion, distortion
 from .outline import carry, simplify
 from .selection import select
@@ -22,6 +23,7 @@ __all__ = ["FocusMap", "enlarge"]
 
 ATTEMPTS = 4  # to solve, with more detail where lines crossed
 MOST = 3000  # vertices of the outline to solve on
+POINT = 1e-12  # a line that is shorter than this share of the map is no longer than a point
 SIDES = 64  # a focus without vertices of the map gets about so many on its outline
 
 
@@ -146,13 +148,17 @@ def enlarge(
     regions = _regions(focus)
     graph = build_graph(rows, starts)
     graph, group, regions = _groups(graph, rows, starts, polygons, regions)
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
+    if not np.isfinite(unit):
+        raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
+    _refuse_outlier(rows, starts, unit)
+    graph, group = _distinct(graph, group, (graph.xy - centre) / unit)
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
     if scale == 1.0:
         return _unchanged(rows, graph, given)
 
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
     xy = (graph.xy - centre) / unit
     box = ((low - centre) / unit, (high - centre) / unit) if frame else None
     origin = np.array([xy[group == g].mean(axis=0) for g in range(len(regions))])
@@ -168,6 +174,7 @@ def enlarge(
     for axis in (0, 1):
         needed[[xy[:, axis].argmin(), xy[:, axis].argmax()]] = True
     known = pair_keys(crossing_pairs(xy, graph.edges), len(graph.edges))
+    watched = cycles(len(xy), graph.edges)
     steady = inside.copy()
     for axis in (0, 1):
         steady[[xy[:, axis].argmin(), xy[:, axis].argmax()]] |= frame
@@ -192,11 +199,13 @@ def enlarge(
         if problem or not len(outline.rider):
             break
         # what the outline did not know
-        after = repair(xy, after, graph.edges, known, steady, box, check)
+        after = repair(xy, after, graph.edges, known, watched, steady, box, check)
         crossed = graph.edges[new_crossings(after, graph.edges, known)]
+        crossed = np.concatenate((crossed.ravel(), turned(xy, after, watched).ravel()))
         if not len(crossed):
             break
         _refine(xy, outline, crossed, needed)
+    turned_over = _turned_over(graph, xy, starts, polygons)
     shapes = _shapes(graph, starts, polygons)
     was_valid = shapely.is_valid(shapes(xy))
 
@@ -204,24 +213,26 @@ def enlarge(
         check()
         if box is not None and np.maximum(box[0] - positions, positions - box[1]).max() > 1e-8:
             return True
-        if len(new_crossings(positions, graph.edges, known)):
+        if len(new_crossings(positions, graph.edges, known)) or len(turned(xy, positions, watched)):
+            return True
+        if turned_over(positions):
             return True
         return bool((was_valid & ~shapely.is_valid(shapes(positions))).any())
 
     reached = scale
     if problem or faulty(after):
-        problem = problem or "lines would cross, or leave the frame"
+        problem = problem or "lines would cross, shapes turn over, or something leave the frame"
         after, share = last_good(xy, after, faulty)
         reached = 1.0 + share * (scale - 1.0)
     if box is not None:
         after = np.where(inside[:, None], after, np.clip(after, box[0], box[1]))
     check = stage(0.9, 1.0)
-    moved = centre + unit * after
+    shift = unit * (after - xy)  # what does not move does not change a bit
     check(0.0)
     return FocusMap(
-        rows=moved[graph.vertex[:len(rows)]],
+        rows=rows + shift[graph.vertex[:len(rows)]],
         points=graph.xy,
-        moved=moved,
+        moved=graph.xy + shift,
         edges=np.concatenate((chosen, bridges)),
         kind=np.array(["selected" if edges is None else "given"] * len(chosen)
                       + ["join"] * len(bridges)),
@@ -243,9 +254,10 @@ def _solved(xy, outline, chosen, group, origin, scale, tau, frame, box, check):
     segments = place[solid]  # diagonals too: the parts of the map stay in their places
     start = xy[outline.kept]
     known = pair_keys(crossing_pairs(start, segments), len(segments))
+    watched = cycles(len(start), unique_pairs(place[outline.edges], len(start)))
     fixed = _fixed(start, group[outline.kept], origin, scale, frame)
     program = focus_program(start, links, group[outline.kept], origin, scale, fixed)
-    solved, s, problem = settle(program, segments, known, box, check)
+    solved, s, problem = settle(program, segments, known, watched, box, check)
     after, local = xy.copy(), np.ones(len(xy))
     after[outline.kept], local[outline.kept] = solved, s
     after = carry(outline, xy, after, local)
@@ -258,7 +270,7 @@ def _solved(xy, outline, chosen, group, origin, scale, tau, frame, box, check):
 
 
 def _refine(xy, outline, crossed, needed):
-    """Keep more detail of the outline around edges that cross."""
+    """Keep more detail of the outline around vertices of what crosses."""
     from scipy.spatial import cKDTree
 
     near = cKDTree(xy[outline.rider]).query_ball_point(xy[np.unique(crossed)], 0.005)
@@ -266,14 +278,16 @@ def _refine(xy, outline, crossed, needed):
 
 
 def _regions(focus):
-    """The connected parts of the focus."""
+    """The parts of the focus; those that touch each other are one, as they have to move together."""
     if focus is None or shapely.is_empty(focus):
         raise Unsolvable("the focus is empty")
     parts = shapely.get_parts(shapely.union_all(shapely.get_parts(shapely.make_valid(focus))))
     parts = parts[shapely.area(parts) > 0.0]
     if not len(parts):
         raise Unsolvable("the focus has no area")
-    return parts
+    touching = np.stack(shapely.STRtree(parts).query(parts, predicate="intersects"), axis=1)
+    whole = components(len(parts), touching)
+    return [shapely.multipolygons(parts[whole == k]) for k in range(whole.max() + 1)]
 
 
 def _groups(graph, rows, starts, polygons, regions):
@@ -315,6 +329,31 @@ def _groups(graph, rows, starts, polygons, regions):
     return graph, group, used
 
 
+def _refuse_outlier(rows, starts, unit):
+    """Complain if the map is so wide that most of its lines are no longer than a point in it."""
+    begin = starts[:-1][np.diff(starts) > 0]
+    length = (np.maximum.reduceat(rows, begin) - np.minimum.reduceat(rows, begin)).max(axis=1)
+    long = length[length > 0.0] / unit
+    if len(long) and np.count_nonzero(long < POINT) * 2 >= len(long):
+        far = rows[np.argmax(np.abs(rows).max(axis=1))]
+        raise Unsolvable(
+            f"the map reaches as far as ({far[0]:g} {far[1]:g}), and compared with that, most of its "
+            "lines are no longer than a point. Is this coordinate right?"
+        )
+
+
+def _distinct(graph, group, xy):
+    """The graph, and the groups, with one vertex for points that the solver could not tell apart."""
+    points, first, vertex = np.unique(xy, axis=0, return_index=True, return_inverse=True)
+    if len(points) == len(graph.xy):
+        return graph, group
+    vertex = vertex.ravel()
+    merged = np.full(len(points), -1)
+    np.maximum.at(merged, vertex, group)
+    edges = unique_pairs(vertex[graph.edges], len(points))
+    return Graph(graph.xy[first], vertex[graph.vertex], edges), merged
+
+
 def _inside(region, xy):
     """Whether points lie in a region or on its outline.
 
@@ -332,22 +371,24 @@ def _inside(region, xy):
 def _meets(region, rows, starts, polygons):
     """Whether a region without vertices of the map lies on a line or in a polygon."""
     long = np.flatnonzero(np.diff(starts) > 1)
+    if not len(long):
+        return False
     taken = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in long])
     lines = shapely.linestrings(rows[taken], indices=np.repeat(
         np.arange(len(long)), np.diff(starts)[long]))
     if shapely.intersects(region, lines).any():
         return True
-    point = shapely.get_coordinates(shapely.point_on_surface(region))[0]
-    for rings in polygons:
-        odd = False
-        for ring in rings:
-            x, y = (rows[starts[ring]:starts[ring + 1]] - point).T
-            over = (y[:-1] > 0.0) != (y[1:] > 0.0)
-            a, b = np.flatnonzero(over), np.flatnonzero(over) + 1
-            cut = x[a] - y[a] * (x[b] - x[a]) / (y[b] - y[a])
-            odd ^= bool(np.count_nonzero(cut > 0.0) % 2)
-        if odd:
-            return True
+    for point in shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(region))):
+        for rings in polygons:
+            odd = False
+            for ring in rings:
+                x, y = (rows[starts[ring]:starts[ring + 1]] - point).T
+                over = (y[:-1] > 0.0) != (y[1:] > 0.0)
+                a, b = np.flatnonzero(over), np.flatnonzero(over) + 1
+                cut = x[a] - y[a] * (x[b] - x[a]) / (y[b] - y[a])
+                odd ^= bool(np.count_nonzero(cut > 0.0) % 2)
+            if odd:
+                return True
     return False
 
 
@@ -370,12 +411,13 @@ def _room(xy, group, scale, box, unit):
     for g in np.unique(group[group >= 0]):
         size = np.ptp(xy[group == g], axis=0)
         room = box[1] - box[0]
-        largest = (room / np.maximum(size, 1e-12)).min()
-        if scale > max(largest, 1.0):
+        # across a map that is flat, nothing needs room
+        largest = np.min(np.divide(room, size, out=np.full(2, np.inf), where=size > 0.0))
+        if scale > max(largest, 1.0) * (1.0 + 1e-9):
             raise Unsolvable(
-                f"enlarged {scale:g} times, the focus is larger than the frame, which leaves room "
-                f"for a scale of {largest:.3g}. Choose a smaller scale, or let the map grow (switch "
-                "the frame off)"
+                f"enlarged {scale:.10g} times, the focus is larger than the frame, which leaves room "
+                f"for a scale of {math.floor(largest * 1000.0) / 1000.0:g}. Choose a smaller scale, or "
+                "let the map grow (switch the frame off)"
             )
 
 
@@ -449,6 +491,23 @@ def _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check):
             offsets = np.append(0, np.cumsum([len(ring) for ring in rings]))
             add(match(xy, np.concatenate(rings)), offsets, f"face {number + 1} between the lines")
     return np.concatenate(chosen)
+
+
+def _turned_over(graph, xy, starts, polygons):
+    """A function that tells of positions whether a ring has turned over; no edges need cross for that."""
+    lines = [k for polygon in polygons for k in polygon if starts[k + 1] > starts[k]]
+    if not lines:
+        return lambda positions: False
+    rows = np.concatenate([graph.vertex[starts[k]:starts[k + 1]] for k in lines])
+    offsets = np.append(0, np.cumsum([starts[k + 1] - starts[k] for k in lines]))
+    before = signed_areas(xy[rows], offsets)
+    step = np.hypot(*np.diff(xy[rows], axis=0, append=xy[rows[:1]]).T)
+    seen = np.abs(before) > FLAT * np.add.reduceat(step, offsets[:-1])
+
+    def turned_over(positions):
+        return bool((seen & (signed_areas(positions[rows], offsets) * before < 0.0)).any())
+
+    return turned_over
 
 
 def _shapes(graph, starts, polygons):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .crossings import crossing_pairs, separations
+from .crossings import crossing_pairs, separations, turned, upright
 from .deformation import NO_BOUNDS, Bounds, repair_program
 
 __all__ = ["last_good", "new_crossings", "repair", "settle"]
@@ -30,8 +30,8 @@ def pair_keys(pairs, m):
     return pairs[:, 0] * m + pairs[:, 1]
 
 
-def settle(program, edges, known, box, check):
-    """Add bounds to a program until no edges cross and all vertices are in the box.
+def settle(program, edges, known, triangles, box, check):
+    """Add bounds to a program until no edges cross, no triangle is turned, and all is in the box.
 
     From the input to the map with crossings the vertices go straight ahead. Where the first edges
     meet on this way they are kept apart, and what then is the least distortion is aimed at anew,
@@ -45,6 +45,8 @@ def settle(program, edges, known, box, check):
         The edges that must not cross.
     known : (k,) int
         Keys of the pairs that cross in the input.
+    triangles : (t, 3) int
+        Those that must not turn over; see `crossings.cycles`.
     box : ((2,) float, (2,) float) or None
     check : callable
         Called with the share done; may raise `Cancelled`.
@@ -62,7 +64,6 @@ def settle(program, edges, known, box, check):
     """
     good = program.start
     waiting, used = NO_BOUNDS, np.zeros(0, dtype=bool)
-    pairs = np.empty((0, 2))
     for step in range(STEPS):
         check(step / STEPS)
         while True:
@@ -78,28 +79,29 @@ def settle(program, edges, known, box, check):
             check()
             if len(program.bounds.p) > MANY or not program.add(more):
                 return program.xy, program.s, "there is not enough room"
-        pairs = new_crossings(xy, edges, known)
-        if not len(pairs):
+        pairs, flips = new_crossings(xy, edges, known), turned(program.start, xy, triangles)
+        if not len(pairs) and not len(flips):
             return xy, program.s, ""
         clear, blocked = 0.0, 1.0
         for halving in range(8):
             if halving >= 2 and clear > 0.0:
                 break
             middle = (clear + blocked) / 2.0
-            found = new_crossings(good + middle * (xy - good), edges, known)
-            if len(found):
-                blocked, pairs = middle, found
+            between = good + middle * (xy - good)
+            found = new_crossings(between, edges, known), turned(program.start, between, triangles)
+            if len(found[0]) or len(found[1]):
+                blocked, (pairs, flips) = middle, found
             else:
                 clear = middle
         good = good + clear * (xy - good)
-        more = separations(good, edges, pairs, GAP)
+        more = separations(good, edges, pairs, GAP).joined(upright(good, flips, GAP))
         waiting = waiting.joined(more)
         used = np.append(used, np.zeros(len(more.p), dtype=bool))
     return program.xy, program.s, f"lines still meet after {STEPS} contacts were resolved"
 
 
-def repair(xy, carried, edges, known, fixed, box, check):
-    """Move the detail of a map a little where it crosses or leaves the box.
+def repair(xy, carried, edges, known, triangles, fixed, box, check):
+    """Move the detail of a map a little where it crosses, turns over or leaves the box.
 
     Parameters
     ----------
@@ -107,7 +109,7 @@ def repair(xy, carried, edges, known, fixed, box, check):
         Positions in the input.
     carried : (n, 2) float
         Positions after, with few crossings.
-    edges, known, box, check
+    edges, known, triangles, box, check
         See `settle`.
     fixed : (n,) bool
         Vertices that stay.
@@ -119,21 +121,22 @@ def repair(xy, carried, edges, known, fixed, box, check):
     from scipy.spatial import cKDTree
 
     tree = None
-    radius, pairs = 0.005, np.empty((0, 2), dtype=np.int64)
-    found = new_crossings(carried, edges, known)
+    radius, pairs, kept = 0.005, np.empty((0, 2), dtype=np.int64), triangles[:0]
+    found, flips = new_crossings(carried, edges, known), turned(xy, carried, triangles)
     for step in range(ROUNDS):
         check(step / ROUNDS)
         outside = np.empty(0, dtype=np.int64)
         if box is not None:
             out = np.maximum(box[0] - carried, carried - box[1]).max(axis=1)
             outside = np.flatnonzero(out > NEAR)
-        if not len(found) and not len(outside):
+        if not len(found) and not len(flips) and not len(outside):
             break
         tree = tree or cKDTree(xy)
         pairs = np.unique(np.concatenate((pairs, found)), axis=0)
-        if len(pairs) > FEW:
+        kept = np.unique(np.concatenate((kept, flips)), axis=0)
+        if len(pairs) + len(kept) > FEW:
             break
-        centres = np.union1d(edges[pairs].ravel(), outside)
+        centres = np.unique(np.concatenate((edges[pairs].ravel(), kept.ravel(), outside)))
         zone = np.zeros(len(xy), dtype=bool)
         for near in tree.query_ball_point(xy[centres], radius):
             zone[near] = True
@@ -147,7 +150,7 @@ def repair(xy, carried, edges, known, fixed, box, check):
         program = repair_program(
             xy[vertex], carried[vertex], local.reshape(-1, 2), ~zone[vertex]
         )
-        bounds = separations(xy, edges, pairs, GAP / 2.0)
+        bounds = separations(xy, edges, pairs, GAP / 2.0).joined(upright(xy, kept, GAP / 2.0))
         known_here = (place[bounds.p] >= 0) & (place[bounds.q] >= 0)
         bounds = bounds.where(known_here & (zone[bounds.p] | zone[bounds.q]))
         bounds = bounds._replace(p=place[bounds.p], q=place[bounds.q])
@@ -168,6 +171,7 @@ def repair(xy, carried, edges, known, fixed, box, check):
             carried[vertex] = program.xy
             at_rest = ~moving[found].any(axis=1)
             found = np.concatenate((found[at_rest], new_crossings(carried, edges, known, moving)))
+            flips = turned(xy, carried, triangles)
         radius *= 1.2 if solved else 2.0
         if radius > 2.0:
             break

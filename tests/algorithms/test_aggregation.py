@@ -19,6 +19,9 @@ from qgis.core import (  # noqa: E402
     NULL,
     QgsFeature,
     QgsGeometry,
+    QgsLineString,
+    QgsPoint,
+    QgsPolygon,
     QgsProcessingContext,
     QgsProcessingFeedback,
     QgsProcessingUtils,
@@ -159,7 +162,7 @@ def test_prepare_loses_nothing_and_says_why(qgis_app):
     text = "\n".join(said)
     assert "Area 2 was not cut: it has no geometry" in text
     assert "Area 3 was not cut: invalid geometry" in text
-    assert "1 areas have no class" in text
+    assert "Without a class: 1 area." in text
 
 
 def test_prepare_counts_overlaps_and_gaps(qgis_app):
@@ -479,3 +482,130 @@ def test_objective_of_the_preparation():
         assert sum(shortest) <= sum(fewest) + 1e-9
         better += sum(shortest) < sum(fewest) - 1e-9
     assert better
+
+
+# ---- found by fuzzing
+
+
+def test_a_null_geometry_in_a_layer_with_heights(qgis_app):
+    layer = areas([(with_heights(box(0, 0)), "a"), (None, "a"), (with_heights(box(10, 0)), "b")], kind="PolygonZ")
+    results, layers, _ = prepare(layer)
+    assert results["AREA_COUNT"] == 3 and len(layers["OUTPUT"]) == 3
+    results, layers, _ = aggregate(layer, THRESHOLD=150)
+    assert results["SKIPPED_COUNT"] == 1 and len(layers["ASSIGNMENT"]) == 3
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300])
+def test_an_area_with_coordinates_that_cannot_be_measured(qgis_app, wrong):
+    ring = QgsLineString([QgsPoint(*p) for p in ((0, 0), (10, 0), (wrong, 10), (0, 10), (0, 0))])
+    layer = areas([(box(10, 0), "a"), (box(20, 0), "b"), (box(0, 0), "b")])
+    odd = QgsFeature(layer.fields())
+    odd.setAttributes(["a", "odd"])
+    odd.setGeometry(QgsGeometry(QgsPolygon(ring)))
+    assert layer.dataProvider().addFeatures([odd])[0]
+    for method in ("greedy", "annealing"):
+        results, layers, said = aggregate(layer, THRESHOLD=300, METHOD=method, ITERATIONS=500)
+        assert results["SKIPPED_COUNT"] == 1 and math.isfinite(results["TOTAL_COST"])
+        assert [r["size"] for r in layers["OUTPUT"] if r["areas"] > 1] == [pytest.approx(300.0)]
+        (given,) = [a for a in layers["ASSIGNMENT"] if a["name"] == "odd"]
+        assert "coordinates" in given["status"]
+    assert prepare(layer)[0]["PIECE_COUNT"] == 4
+
+
+def test_one_area_far_away_does_not_blur_the_others(qgis_app):
+    """What counts as equal follows from the coordinates around, not from the largest of the layer."""
+    near = areas([(box(0, 0), "a"), (box(12, 0), "b")])  # 2 m apart
+    assert prepare(near)[1]["ADJACENCY"] == []
+    far = areas([(box(0, 0), "a"), (box(12, 0), "b"), (box(4e9, 4e9), "c")])
+    assert prepare(far)[1]["ADJACENCY"] == []
+
+
+def test_costs_that_are_no_numbers_are_refused(qgis_app):
+    rows = [("a", "b", 1e308)]
+    fields = ["from:string(5)", "to:string(5)", "distance:double"]
+    for options, words in (
+        ({"WEIGHT_BOUNDARY": 1e308}, "boundary length"),
+        ({"WEIGHT_CENTRE": 1e308}, "centre distance"),
+        ({"DISTANCE": "table", "DISTANCES": table(fields, rows)}, "class change"),
+    ):
+        for method in ("greedy", "exact"):
+            results, _, said = aggregate(strip("aabb"), THRESHOLD=150, METHOD=method, **options)
+            assert results is None
+            assert any(f"costs of {words} cannot be computed" in line for line in said)
+
+
+def test_numbers_that_are_none_are_refused(qgis_app):
+    for name in ("REGIONS", "SEED", "ITERATIONS"):
+        results, _, said = aggregate(strip("ab"), **{name: math.nan})
+        assert results is None and name in said[0]
+
+
+@pytest.mark.parametrize("name", ["region", "size", "areas", "core", "status"])
+def test_a_class_field_with_a_name_of_ours(qgis_app, name):
+    layer = areas([(box(10 * k, 0), code) for k, code in enumerate("aaabba")], fields=f"{name}:string(20)&field=name:string(20)")
+    _, layers, _ = aggregate(layer, THRESHOLD=300, CLASS=name)
+    for region in layers["OUTPUT"]:
+        values = dict(zip(region.fields().names(), region.attributes()))
+        own = {"region", "size", "areas", "core", "status"}
+        assert set(values) == own | {f"{name}_2"}
+        assert values[name] in ("a", "b")
+        ours = {one: values[f"{one}_2" if one == name else one] for one in own}
+        assert ours["size"] == pytest.approx(300.0) and ours["areas"] == 3 and ours["status"] == ""
+
+
+def test_pieces_of_areas_with_fields_of_these_names(qgis_app):
+    """The field area_id of the user is not that of the pieces, nor is his size."""
+    layer = areas(
+        [(DUMBBELL, "1"), (BELOW, "2"), (ABOVE, "2"), (OUTER, "3")],
+        fields="code:string(20)&field=area_id:string(20)&field=size:string(20)",
+    )
+    provider = layer.dataProvider()
+    provider.changeAttributeValues({f.id(): {1: "same for all", 2: "large"} for f in layer.getFeatures()})
+    context = QgsProcessingContext()
+    results, _ = PrepareAggregationAlgorithm().create().run(
+        {"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener()
+    )
+    pieces = QgsProcessingUtils.mapLayerFromString(results["OUTPUT"], context)
+    _, layers, said = aggregate(pieces, THRESHOLD=400)
+    assert any("area_id_2" in line for line in said)
+    assert len(layers["ASSIGNMENT"]) == 4
+    assert {a["size"] for a in layers["ASSIGNMENT"]} == {"large"}
+    assert sum(a["size_2"] for a in layers["ASSIGNMENT"]) == pytest.approx(450.0)
+
+
+def test_a_region_with_an_invalid_area_is_valid_and_told(qgis_app):
+    bow = "Polygon ((0 0, 10 10, 10 0, 0 10, 0 0))"
+    _, layers, said = aggregate(areas([(bow, "a"), (box(10, 0), "a"), (box(20, 0), "b")]), THRESHOLD=150)
+    assert all(r.geometry().isGeosValid() for r in layers["OUTPUT"])
+    assert sum(r.geometry().area() for r in layers["OUTPUT"]) == pytest.approx(250.0)
+    assert any(line.startswith("Not valid") and "1 area, 1" in line for line in said)
+
+
+def test_an_area_that_is_not_cut_stays_bit_for_bit(qgis_app):
+    layer = areas([("Polygon ((0 0, 10 10, 10 0, 0 9))", "a")])  # crosses itself, and is not closed
+    _, layers, _ = prepare(layer)
+    assert layers["OUTPUT"][0].geometry().asWkb() == next(layer.getFeatures()).geometry().asWkb()
+
+
+def test_the_centroid_of_an_area_that_crosses_itself_is_in_it(qgis_app):
+    """Its two halves cancel out: centre distances were those to a place far away."""
+    bow = "Polygon ((0 0, 10 10, 10 0, 0 9.999999, 0 0))"
+    layer = areas([(bow, "a"), (box(10, 0), "b")])
+    results, layers, _ = aggregate(layer, WEIGHT_CENTRE=1.0, THRESHOLD=90, EXCLUDED="b", METHOD="greedy")
+    assert [r["code"] for r in layers["OUTPUT"]] == ["a"]
+    assert 100.0 * 5.0 <= results["CENTRE_COST"] <= 100.0 * 16.0
+
+
+def test_the_bound_is_not_above_the_cost(qgis_app):
+    """Where large areas must be cores, cheaper ones are exchanged for them afterwards."""
+    pytest.importorskip("scipy")
+    a, b, c, d, e, f = "1.406 0.792", "1.027 0.080", "-0.019 0.426", "-0.425 1.352", "0.761 2.128", "-0.195 1.742"
+    layer = areas([
+        (f"Polygon (({p}, {q}, {r}, {p}))", code)
+        for p, q, r, code in ((a, b, c, "c"), (d, a, c, "b"), (e, a, d, "c"), (f, e, d, "c"))
+    ])
+    results, _, _ = aggregate(
+        layer, THRESHOLD=0.7, METHOD="exact", BOUNDARY="classes", WEIGHT_BOUNDARY=1.0, WEIGHT_CENTRE=3.0,
+        ITERATIONS=3000,
+    )  # fmt: skip
+    assert 0.0 < results["LOWER_BOUND"] <= results["TOTAL_COST"]

@@ -10,7 +10,11 @@ pytest.importorskip("qgis.core")
 pytest.importorskip("scipy")
 
 from qgis.core import (
+    QgsApplication,
     QgsGeometry,
+    QgsLineString,
+    QgsPoint,
+    QgsPolygon,
     QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingFeedback,
@@ -151,8 +155,6 @@ def test_lines(run, layer, focus):
 
 
 def test_degrees_are_refused(provider, layer, focus):
-    from qgis.core import QgsApplication, QgsProcessingContext
-
     tool = QgsApplication.processingRegistry().algorithmById(TOOL)
     land = layer("Polygon?crs=EPSG:4326", [(f"POLYGON(({DUMBBELL}))", [])])
     ok, message = tool.checkParameterValues(parameters(land, focus), QgsProcessingContext())
@@ -177,8 +179,6 @@ def test_cancel(run, land, focus, cancelling):
 
 
 def test_without_scipy_the_tool_says_what_to_install(provider, monkeypatch):
-    from qgis.core import QgsApplication
-
     imported = builtins.__import__
 
     def without(name, *arguments, **keywords):
@@ -216,3 +216,73 @@ def test_the_example_model(provider, land, focus):
     )
     assert moved.featureCount() == 3
     assert {edge["kind"] for edge in edges.getFeatures()} == {"given", "join"}
+
+
+# ---- found by fuzzing
+
+
+def ring(*points):
+    return QgsGeometry(QgsPolygon(QgsLineString([QgsPoint(*p) for p in points])))
+
+
+def test_a_feature_that_is_not_finite_stays_and_is_told(run, layer, focus, feedback):
+    odd = ring((40, 0), (float("nan"), 0), (45, 5), (40, 0))
+    land = layer("Polygon?crs=EPSG:3035&field=n:integer", [(f"POLYGON(({DUMBBELL}))", [1]), (odd, [2])])
+    first, second = features(run(TOOL, parameters(land, focus), feedback))
+    assert first.geometry().isGeosValid() and first["n"] == 1
+    assert second.geometry().asWkb() == odd.asWkb() and second["n"] == 2
+    assert any("not finite" in text and "feature 2" in text for text in feedback.warnings)
+
+
+def test_a_focus_that_is_not_finite_or_no_polygon(run, land, layer):
+    square = "POLYGON((-1 -1, 11 -1, 11 11, -1 11, -1 -1))"
+    odd = ring((0, 0), (float("nan"), 0), (5, 5), (0, 0))
+    line = ring((0, 0), (5, 5), (0, 0))
+    results = run(TOOL, parameters(land, layer("Polygon?crs=EPSG:3035", [(odd, []), (line, []), (square, [])])))
+    assert results["SCALE_REACHED"] == 1.3
+    with pytest.raises(QgsProcessingException, match="no polygons whose coordinates are finite"):
+        run(TOOL, parameters(land, layer("Polygon?crs=EPSG:3035", [(odd, [])])))
+
+
+def test_numbers_that_are_none_are_refused(provider, land, focus):
+    tool = QgsApplication.processingRegistry().algorithmById(TOOL)
+    for name in ("SCALE", "TAU"):
+        ok, message = tool.checkParameterValues(
+            parameters(land, focus, **{name: float("nan")}), QgsProcessingContext()
+        )
+        assert not ok and name in message
+
+
+def test_a_single_point(run, layer, focus):
+    """Nothing to deform, and yet a map, with layers carried along."""
+    towns = layer("Point?crs=EPSG:3035", [("POINT(5 5)", []), ("POINT(7 7)", [])])
+    here = layer("Point?crs=EPSG:3035", [("POINT(5 5)", [])])
+    results = run(TOOL, parameters(here, focus, FRAME=False, ALONG=[towns]))
+    assert points(features(results)[0].geometry()).tolist() == [[5, 5]]
+
+
+def test_points_beside_a_focus_that_has_none(run, layer, focus):
+    towns = layer("Point?crs=EPSG:3035", [("POINT(50 5)", []), ("POINT(70 7)", [])])
+    with pytest.raises(QgsProcessingException, match=r"layers right\?$"):
+        run(TOOL, parameters(towns, focus))
+
+
+def test_carried_layers_of_one_name(run, land, focus, layer, tmp_path):
+    """To a GeoPackage, Roads and roads are one."""
+    roads = [layer("Point?crs=EPSG:3035", [(f"POINT({k} 1)", [])] * k) for k in (1, 2)]
+    for one, name in zip(roads, ("Roads", "roads")):
+        one.setName(name)
+    path = str(tmp_path / "carried.gpkg")
+    results = run(TOOL, parameters(land, focus, ALONG=roads, CARRIED=path))
+    counts = [QgsVectorLayer(address, "", "ogr").featureCount() for address in results["CARRIED_LAYERS"]]
+    assert counts == [1, 2]
+
+
+def test_a_carried_feature_without_a_place_in_the_map(run, land, focus, layer, tmp_path, feedback):
+    towns = layer("Point?crs=EPSG:4326&field=name:string", [("POINT(10 500)", ["nowhere"]), ("POINT(10 52)", ["here"])])
+    path = str(tmp_path / "carried.gpkg")
+    results = run(TOOL, parameters(land, focus, ALONG=[towns], CARRIED=path), feedback)
+    lost, kept = QgsVectorLayer(results["CARRIED_LAYERS"][0], "", "ogr").getFeatures()
+    assert (lost["name"], kept["name"]) == ("nowhere", "here")
+    assert lost.geometry().isEmpty() and not kept.geometry().isEmpty()
+    assert any("have no place" in text for text in feedback.warnings)

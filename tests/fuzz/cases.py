@@ -452,6 +452,8 @@ _raised = []
 
 def watch(tools):
     """Keep the exceptions of tools as they were raised."""
+    from isthmus.algorithms.base import _without_frames
+
     for tool in tools:
         for name in ("processAlgorithm", "checkParameterValues", "prepareAlgorithm"):
             original = getattr(tool, name, None)
@@ -466,7 +468,8 @@ def watch(tools):
                     raise
 
             watched.watched = True
-            setattr(tool, name, watched)
+            # QGIS keeps what processAlgorithm raises: nothing of this frame may go with it
+            setattr(tool, name, _without_frames(watched) if name == "processAlgorithm" else watched)
 
 
 def parameters_of(case, source, lines, folder):

@@ -246,3 +246,74 @@ def test_carrier():
     assert np.allclose(gaps, 1.5 * np.diff(within, axis=0), atol=1e-9)
     far = np.array([(100.0, 100.0), (-50.0, 0.0)])
     assert np.allclose(carrier(far), far, atol=1e-6)
+
+
+# ---- found by fuzzing
+
+
+def test_parts_of_the_focus_that_touch_at_a_vertex_move_together():
+    rows, starts, polygons = grid(3)
+    focus = shapely.MultiPolygon([shapely.box(0.5, 0.5, 1, 1), shapely.box(1, 1, 1.5, 1.5)])
+    result = enlarge(rows, starts, polygons, focus, 1.5)
+    check(rows, starts, polygons, focus, 1.5, result)
+    assert result.scale == 1.5
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-4, 1e-5, 1e-6])
+def test_triangles_do_not_turn_over(height):
+    """A sliver whose tip is pushed through its own long side: none of its edges crosses another."""
+    squares = [box(x, y, x + 1, y + 1) for x in range(2) for y in range(3)]
+    for at in (0.5, 0.9):
+        rows, starts, polygons = rings_of(*squares, [(0, 2), (1, 2), (at, 2 + height)])
+        for focus in (shapely.box(0.5, 1.7, 1.5, 2.3), shapely.box(0.9, 0.9, 1.1, 1.1)):
+            for scale in (0.6, 1.5):
+                result = enlarge(rows, starts, polygons, focus, scale, rule="None")
+                check(rows, starts, polygons, focus, scale, result)
+                assert result.scale == scale
+                assert shapely.LinearRing(result.rows[starts[-2]:]).is_ccw
+
+
+def test_points_that_only_rounding_keeps_apart():
+    rows, starts, polygons = rings_of(
+        [(0, 0), (10, 0), (10, 10), (0, 10)], [(10, 0), (20, 0), (20, 10), (10, 1e-17), (10, 0)]
+    )
+    focus = shapely.box(-1, -1, 4, 4)
+    result = enlarge(rows, starts, polygons, focus, 1.4)
+    assert result.scale == 1.4 and np.isfinite(result.rows).all()
+
+
+def test_one_coordinate_beside_which_the_map_is_a_point():
+    rows, starts, polygons = rings_of(box(0, 0, 10, 10), box(1e40, 0, 2e40, 10))
+    with pytest.raises(Unsolvable, match="Is this coordinate right"):
+        enlarge(rows, starts, polygons, shapely.box(-1, -1, 4, 4), 1.4)
+
+
+def test_what_does_not_move_does_not_change_a_bit():
+    rows, starts, polygons = grid(4)
+    rows = rows / 7.0 + 1e7 / 3.0
+    result = enlarge(rows, starts, polygons, shapely.box(*rows[5] - 0.05, *rows[5] + 0.05), 1.2)
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    still = (rows == low) | (rows == high)
+    assert still.any() and np.array_equal(result.rows[still], rows[still])
+
+
+def test_a_map_that_is_flat_has_room():
+    rows = np.array([(0.0, 5.0), (3.0, 5.0), (6.0, 5.0), (20.0, 5.0)])
+    result = enlarge(rows, np.array([0, 4]), [], shapely.box(2, 4, 7, 6), 1.5)
+    assert result.scale == 1.5 and result.rows[2, 0] - result.rows[1, 0] == pytest.approx(4.5)
+
+
+def test_a_ring_that_is_mirrored_has_turned_over():
+    """No edges cross in the end: what is left of the way from the input would not show it."""
+    rows, starts, polygons = rings_of(
+        [(-0.21, 1.37), (1.19, 0.78), (0.96, 0.36), (-0.24, -0.4)], [(-0.14, 2.34), (0.94, 1.77), (1.19, 0.78), (-0.21, 1.37)],
+        [(0.28, 2.61), (1.26, 2.96), (0.94, 1.77), (-0.14, 2.34)], [(1.26, 2.96), (2.41, 3.44), (2.06, 1.69), (0.94, 1.77)],
+        [(2.19, 0.88), (2.68, 1.37), (2.93, -0.15), (2.2, 0.25)], [(2.06, 1.69), (3.27, 1.84), (2.68, 1.37), (2.19, 0.88)],
+    )  # fmt: skip
+    focus = shapely.MultiPolygon([shapely.box(-0.47, 0.78, 0.05, 1.97), shapely.box(1.31, 1.44, 2.81, 1.95)])
+    for scale in (1.3, 2.0, 100.0):
+        result = enlarge(rows, starts, polygons, focus, scale)
+        check(rows, starts, polygons, focus, scale, result)
+        for lo, hi in zip(starts[:-1], starts[1:]):
+            before, after = (shapely.LinearRing(one[lo:hi]) for one in (rows, result.rows))
+            assert before.is_ccw == after.is_ccw
