@@ -491,7 +491,7 @@ def parameters_of(case, source, lines, folder):
         ending = "csv" if table else case.sink
         p[name] = "memory:" if case.sink == "memory" else str(Path(folder) / f"{name}.{ending}")
         if case.sink == "nowhere":
-            p[name] = "/proc/nowhere/out.gpkg"
+            p[name] = f"/proc/nowhere/{name}.gpkg"
     return p, names
 
 

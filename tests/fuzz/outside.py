@@ -38,7 +38,7 @@ def run(case, folder, seconds=300):
     for name in ["OUTPUT"] + ["CUTS"] * (case.tool != "tradeoff"):
         values[name] = f"{folder}/{name}.{ending}"
         if case.sink == "nowhere":
-            values[name] = "/proc/nowhere/out.gpkg"
+            values[name] = f"/proc/nowhere/{name}.gpkg"
     command = [QGIS_PROCESS, "run", f"isthmus:{case.tool}", "--json"]
     command += [f"--{name}={value}" for name, value in values.items() if not isinstance(value, dict)]
 
