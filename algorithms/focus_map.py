@@ -334,10 +334,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             answer = self._carry(
                 parameters, context, crs, result, starts, rows, focus, frame, feedback
             )
+            feedback.setProgress(100)
         answer.update(sinks.destinations)
         style_on_load(context, answer.get(self.OUTPUT), None, 2)
         style_on_load(context, answer.get(self.EDGES_USED), "cuts.qml", 0)
-        feedback.setProgress(100)
         answer.update({
             self.SCALE_REACHED: result.scale,
             self.FLIPPED_AREA: 100.0 * result.distortion.flipped,

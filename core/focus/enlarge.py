@@ -23,7 +23,7 @@ __all__ = ["FocusMap", "enlarge"]
 
 ATTEMPTS = 4  # to solve, with more detail where lines crossed
 MOST = 3000  # vertices of the outline to solve on
-POINT = 1e-12  # a line that is shorter than this share of the map is no longer than a point
+POINT = 1e-12  # what is smaller than this share of the map is a point to the solver
 SIDES = 64  # a focus without vertices of the map gets about so many on its outline
 
 
@@ -348,15 +348,21 @@ def _complain_of_outlier(rows, what):
 
 def _distinct(graph, group, rows, xy):
     """The graph, and the groups, with one vertex for points that the solver could not tell apart."""
-    points, first, vertex = np.unique(xy, axis=0, return_index=True, return_inverse=True)
-    if len(points) == len(graph.xy):
+    from scipy.spatial import cKDTree
+
+    near = cKDTree(xy).query_pairs(POINT, output_type="ndarray")
+    if not len(near):
         return graph, group
-    vertex = vertex.ravel()
-    merged = np.full(len(points), -1)
+    same = components(len(xy), near)
+    first = np.sort(np.unique(same, return_index=True)[1])  # vertices stay in their order
+    place = np.empty(len(first), dtype=np.int64)
+    place[same[first]] = np.arange(len(first))
+    vertex = place[same]
+    merged = np.full(len(first), -1)
     np.maximum.at(merged, vertex, group)
     if len(np.unique(merged)) < len(np.unique(group)):
         _complain_of_outlier(rows, "parts of the focus are one point")
-    edges = unique_pairs(vertex[graph.edges], len(points))
+    edges = unique_pairs(vertex[graph.edges], len(first))
     return Graph(graph.xy[first], vertex[graph.vertex], edges), merged
 
 

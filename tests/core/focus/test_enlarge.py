@@ -324,3 +324,11 @@ def test_parts_of_the_focus_that_become_one_point():
     focus = shapely.MultiPolygon([shapely.box(-0.1, -0.1, 0.1, 0.1), shapely.box(0.9, -0.1, 1.1, 0.1)])
     with pytest.raises(Unsolvable, match="parts of the focus are one point"):
         enlarge(rows, np.arange(6), [], focus, 1.4)
+
+
+def test_points_that_are_one_beside_a_wide_map():
+    """Closer than the solver can tell: they move together, and keep their distance."""
+    rows = np.array([(1e13, 1e4), (1e13 + 1.0, 1e4), (0.0, 2.0), (1.0, 2.0), (1.0, 1.0), (2e12, 3e12)])
+    result = enlarge(rows, np.arange(7), [], shapely.box(-1e12, -1e12, 1e12, 1e12), 1.5)
+    assert result.scale == 1.5
+    assert result.rows[2:5] - result.rows[2] == pytest.approx(rows[2:5] - rows[2], abs=1e-2)
