@@ -22,7 +22,7 @@ from qgis.core import (
 from . import areas as layer
 from . import features
 from .aggregation_tables import distances, thresholds
-from .base import LARGEST, IsthmusAlgorithm, Steps, install_hint
+from .base import LARGEST, IsthmusAlgorithm, Steps, counted, install_hint
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import Sinks, make_fields
 
@@ -424,7 +424,7 @@ class _Run:
                 self.reason[k] = "it has no geometry" if not one.hasGeometry() else "it is empty"
             elif k in huge:
                 self.reason[k] = (
-                    f"it has coordinates that are not finite, or larger than {layer.LARGEST:g}"
+                    f"it has coordinates that are not finite, or larger than {layer.FARTHEST:g}"
                 )
             elif texts[k] is None:
                 self.reason[k] = "it has no class"
@@ -459,7 +459,7 @@ class _Run:
         if numbers:
             ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
             self.feedback.pushWarning(
-                f"Not valid (an outline crosses itself, for one): {layer.counted(len(ids), 'area')}, "
+                f"Not valid (an outline crosses itself, for one): {counted(len(ids), 'area')}, "
                 f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
                 "be wrong. Run Fix geometries on the layer first."
             )
@@ -552,8 +552,8 @@ class _Run:
             said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
         self.feedback.pushInfo(
             f"{said} (gap {100 * gap:.2f} %; "
-            f"{layer.counted(result.parts, 'independent part')}, "
-            f"{layer.counted(result.rounds, 'programme')} solved)."
+            f"{counted(result.parts, 'independent part')}, "
+            f"{counted(result.rounds, 'programme')} solved)."
         )
 
     def write(self, found, sinks):

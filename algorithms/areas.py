@@ -13,7 +13,7 @@ from . import features
 from .solving import measure_of
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
-LARGEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
+FARTHEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
 
 
 class Areas(NamedTuple):
@@ -103,7 +103,7 @@ def arrange(kept, polygons, owner, crs):
     # rings of fewer than three vertices bound nothing
     measure, metre = measure_of(crs), metres_of(crs)
     coords, sizes, ring_polygon = [np.zeros((0, 2))], [], []
-    measured = np.array([(np.abs(rows[:, :2]) <= LARGEST).all() for rows, _ in polygons], dtype=bool)
+    measured = np.array([(np.abs(rows[:, :2]) <= FARTHEST).all() for rows, _ in polygons], dtype=bool)
     for number, (rows, offsets) in enumerate(polygons):
         if not measured[number]:
             continue
@@ -204,8 +204,3 @@ def text(value):
     if isinstance(value, float) and value.is_integer():
         value = int(value)
     return str(value).strip() or None
-
-
-def counted(number, what):
-    """Return "1 area" or "2 areas"."""
-    return f"{number} {what}{'s' * (number != 1)}"

@@ -128,6 +128,11 @@ def _without_frames(process):
     return processAlgorithm
 
 
+def counted(number, what):
+    """Return "1 area" or "2 areas"."""
+    return f"{number:,} {what}{'s' * (number != 1)}"
+
+
 def dependency_problem():
     """Return what is missing and which command installs it, or '' if the tools can run."""
     try:

@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ..core.errors import Cancelled
 from . import features
-from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
 from .candidate_lines import CandidateLines
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import Sinks, make_fields
@@ -442,12 +442,15 @@ class _Writer:
         length, skipped = numbers[tool.CUT_LENGTH], numbers[tool.SKIPPED_COUNT]
         text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
         feedback.pushInfo(
-            f"{numbers[tool.PART_COUNT]:,} parts, made by {numbers[tool.CUT_COUNT]:,} cuts of "
+            f"{counted(numbers[tool.PART_COUNT], 'part')}, made by "
+            f"{counted(numbers[tool.CUT_COUNT], 'cut')} of "
             f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
         if skipped:
-            feedback.pushInfo(f"{skipped:,} features were not cut: see the field status of the parts.")
+            feedback.pushInfo(
+                f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
+            )
 
 
 def _or_null(value):

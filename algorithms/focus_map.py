@@ -31,7 +31,7 @@ from qgis.core import (
 )
 
 from . import features
-from .areas import LARGEST
+from .areas import FARTHEST
 from .base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, style_on_load
 from .features import REAL, TEXT
 from .sinks import Sinks, make_fields
@@ -275,14 +275,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 return {}
             held.append(feature)
             runs.append(features.Runs(feature.geometry()))
-        wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= LARGEST).all()]
+        wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
         for k in wrong:
             runs[k] = features.Runs(QgsGeometry())  # as if it had none
         if wrong:
             ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
             feedback.pushWarning(
                 "Left where they are, since coordinates are not finite (NaN or infinity) or larger than "
-                f"{LARGEST:g}: feature {ids}."
+                f"{FARTHEST:g}: feature {ids}."
             )
         counts = [count for one in runs for count in one.counts]
         if not counts:
@@ -362,7 +362,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
         found = [
             one for one in found
-            if one is not None and (np.abs(shapely.get_coordinates(one)) <= LARGEST).all()
+            if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
         ]
         if not found:
             raise QgsProcessingException(

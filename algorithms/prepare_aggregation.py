@@ -17,7 +17,7 @@ from qgis.core import (
 
 from . import areas as layer
 from . import features
-from .base import LARGEST, IsthmusAlgorithm, Steps, style_on_load
+from .base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
 from .cutting import BY_LENGTH, BY_SIZE
 from .features import INTEGER, LONG, REAL, TEXT
 from .sinks import Sinks, make_fields
@@ -310,18 +310,18 @@ def _report(feedback, kept, overlaps, gaps, classless, most=10):
             f"{kept[a].id()} and {kept[b].id()}" for a, b in overlaps[:most].tolist()
         )
         feedback.pushWarning(
-            f"{layer.counted(len(overlaps), 'pair')} of areas overlap: {some}"
+            f"{counted(len(overlaps), 'pair')} of areas overlap: {some}"
             f"{' ...' * (len(overlaps) > most)}. Nothing was changed about that; sizes count the common "
             "part twice."
         )
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
         feedback.pushWarning(
-            f"{layer.counted(len(gaps), 'gap')} inside the map without an area, at {some}"
+            f"{counted(len(gaps), 'gap')} inside the map without an area, at {some}"
             f"{' ...' * (len(gaps) > most)}. Areas on both sides of a gap are no neighbours there."
         )
     if classless:
         feedback.pushWarning(
-            f"Without a class: {layer.counted(classless, 'area')}. Aggregation will leave such areas as "
+            f"Without a class: {counted(classless, 'area')}. Aggregation will leave such areas as "
             "they are."
         )

@@ -406,7 +406,6 @@ def others(stage):
     yield 2
     stage.shot("pieces-map")
     import processing
-    from qgis.core import QgsProject
 
     projected = processing.run("native:reprojectlayer", {
         "INPUT": stage.countries, "TARGET_CRS": QgsCoordinateReferenceSystem("EPSG:3035"),

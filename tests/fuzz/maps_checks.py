@@ -354,7 +354,7 @@ def _region_shape(region, rows, shapes, tame, memory):
 
 def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
     """The cost from the areas themselves, and the truth of small maps."""
-    from isthmus.core.aggregation.instance import build, costs
+    from isthmus.core.aggregation.instance import build
     from core.aggregation.brute_force import cheapest
 
     p, results, wrong = out.parameters, out.results, []
