@@ -443,7 +443,7 @@ def check_focus(case, out):
     own = len(before[0].attributes()) if before else 0
     if len(before) != len(after):
         return [f"{len(before)} features in, {len(after)} out"]
-    olds, news, runs = [], [], []
+    olds, news, runs, everywhere = [], [], [], []
     known = shapely.get_coordinates([one for one in map(shape_of, before) if one is not None])
     extent = np.ptp(known, axis=0).max() if len(known) else 0.0
     for a, b in zip(before, after):
@@ -452,6 +452,8 @@ def check_focus(case, out):
         elif a.attributes()[-1] != b.attributes()[-1]:
             wrong.append(f"the last of {own} attributes of {a.id()} changed")
         old, new = points(a.geometry()), points(b.geometry())
+        if np.isfinite(old[:, :2]).all():
+            everywhere.append(old[:, :2])
         if len(old) != len(new):
             if memory:  # files close rings whose ends differ in Z or M
                 wrong.append(f"feature {a.id()} has {len(old)} vertices, and {len(new)} after")
@@ -484,9 +486,9 @@ def check_focus(case, out):
     elif reached != asked:
         wrong.append(f"scale {asked} asked, {reached} reached, and no problem told")
     if out.parameters["FRAME"]:
-        if (new.min(axis=0) < old.min(axis=0) - exact).any() or (
-            new.max(axis=0) > old.max(axis=0) + exact
-        ).any():
+        frame = np.concatenate(everywhere)
+        low, high = frame.min(axis=0) - exact, frame.max(axis=0) + exact
+        if (new.min(axis=0) < low).any() or (new.max(axis=0) > high).any():
             wrong.append("something left the frame")
     _, first, again = np.unique(old + 0.0, axis=0, return_index=True, return_inverse=True)
     if not np.array_equal(new, new[first[again.ravel()]]):
