@@ -41,36 +41,6 @@ def make_fields(definition):
     return fields
 
 
-def open_sink(tool, parameters, name, context, fields, wkb_type, crs, needed):
-    """Open a sink; (None, None) for one that is not wanted.
-
-    Several results may come of one feature, so the primary key is made anew.
-    """
-    sink, destination = tool.parameterAsSink(
-        parameters, name, context, fields, wkb_type, crs,
-        QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
-    )  # fmt: skip
-    if sink is None and (needed or parameters.get(name)):
-        raise QgsProcessingException(tool.invalidSinkError(parameters, name))
-    return sink, destination
-
-
-def add_feature(sink, fields, geometry, values, origin=""):
-    """Write a feature; a failure is an error, so that nothing is lost in silence.
-
-    ``origin`` says in a few words what the feature is a result of.
-    """
-    feature = QgsFeature(fields)
-    if geometry is not None:
-        feature.setGeometry(geometry)
-    feature.setAttributes(values)
-    if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-        raise QgsProcessingException(
-            f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
-            f"value too long or unknown to the format?): {sink.lastError()}"
-        )
-
-
 def overwriting(tool, parameters, context):
     """Return a sentence about a result that would overwrite an input or another result, or ''.
 
@@ -168,18 +138,35 @@ class Sinks:
         self._sinks, self._written = {}, {}
 
     def open(self, name, fields, wkb_type, crs, needed=True):
-        """Open a sink; return whether it is wanted. See `open_sink`."""
-        sink, destination = open_sink(
-            self.tool, self.parameters, name, self.context, fields, wkb_type, crs, needed
-        )
+        """Open a sink; return whether it is wanted.
+
+        Several results may come of one feature, so the primary key is made anew.
+        """
+        sink, destination = self.tool.parameterAsSink(
+            self.parameters, name, self.context, fields, wkb_type, crs,
+            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+        )  # fmt: skip
         if sink is not None:
             self._sinks[name], self.fields[name] = sink, fields
             self.destinations[name], self._written[name] = destination, 0
+        elif needed or self.parameters.get(name):
+            raise QgsProcessingException(self.tool.invalidSinkError(self.parameters, name))
         return sink is not None
 
     def add(self, name, geometry, values, origin=""):
-        """Write a feature to a sink that is open. See `add_feature`."""
-        add_feature(self._sinks[name], self.fields[name], geometry, values, origin)
+        """Write a feature; a failure is an error, so that nothing is lost in silence.
+
+        ``origin`` says in a few words what the feature is a result of.
+        """
+        sink, feature = self._sinks[name], QgsFeature(self.fields[name])
+        if geometry is not None:
+            feature.setGeometry(geometry)
+        feature.setAttributes(values)
+        if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+            raise QgsProcessingException(
+                f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
+                f"value too long or unknown to the format?): {sink.lastError()}"
+            )
         self._written[name] += 1
 
     def __enter__(self):
