@@ -1,6 +1,5 @@
 """The tool ``isthmus:aggregate``."""
 
-import math
 import re
 
 from qgis.core import (
@@ -282,9 +281,9 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
             self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
         ):
-            value = self.parameterAsDouble(parameters, name, context)
-            if not 0.0 <= value < math.inf:
-                return f"{name} must be a number of at least 0, and is {value:g}."
+            problem = self.number_problem(parameters, context, name, 0.0)
+            if problem:
+                return problem
         return ""
 
     def processAlgorithm(self, parameters, context, feedback):

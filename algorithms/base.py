@@ -2,6 +2,7 @@
 
 import functools
 import html
+import math
 import sysconfig
 from pathlib import Path
 
@@ -73,6 +74,23 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
 
     def parameter_problem(self, parameters, context):
         """Return a sentence about a parameter that cannot be used, or ''."""
+        return ""
+
+    def number_problem(self, parameters, context, name, least):
+        """Return a sentence about a number that is too small, infinite or none, or ''."""
+        value = self.parameterAsDouble(parameters, name, context)
+        if not least <= value < math.inf:
+            return f"{name} must be a number of at least {least:g}, and is {value:g}."
+        return ""
+
+    def limit_problem(self, parameters, context, name):
+        """Return a sentence about a number that is negative or above its largest value, or ''."""
+        value = self.parameterAsDouble(parameters, name, context)
+        if not value >= 0.0:
+            return f"{name} must not be negative, and is {value:g}."
+        largest = self.parameterDefinition(name).maximum()
+        if value > largest:
+            return f"{name} must be at most {largest:g}, and is {value:g}."
         return ""
 
     def add(self, parameter, help_text, advanced=False, decimals=None):

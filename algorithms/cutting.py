@@ -165,12 +165,9 @@ class PartitionTool(IsthmusAlgorithm):
         for name in (self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
             if self.parameterDefinition(name) is None:
                 continue
-            value = self.parameterAsDouble(parameters, name, context)
-            if not value >= 0.0:
-                return f"{name} must not be negative, and is {value:g}."
-            largest = self.parameterDefinition(name).maximum()
-            if value > largest:
-                return f"{name} must be at most {largest:g}, and is {value:g}."
+            problem = self.limit_problem(parameters, context, name)
+            if problem:
+                return problem
         if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
             sources = [
                 self.parameterAsSource(parameters, name, context)
@@ -184,12 +181,9 @@ class PartitionTool(IsthmusAlgorithm):
         """Return a sentence about a number that is not data-defined, or ''."""
         if QgsProcessingParameters.isDynamic(parameters, name):
             return ""
-        value = self.parameterAsDouble(parameters, name, context)
-        if not least <= value < math.inf:
-            return f"{name} must be a number of at least {least:g}, and is {value:g}."
-        if value > LARGEST:
-            return f"{name} must be at most {LARGEST:g}, and is {value:g}."
-        return ""
+        return self.number_problem(parameters, context, name, least) or self.limit_problem(
+            parameters, context, name
+        )
 
     def settings(self, parameters, context, source, feedback, all_dilations=False):
         """Return how to solve."""

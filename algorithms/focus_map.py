@@ -1,7 +1,6 @@
 """The tool ``isthmus:focusmap``."""
 
 import contextlib
-import math
 import time
 from pathlib import Path
 
@@ -248,11 +247,11 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 "to keep. Reproject it to a projected CRS first (tool Reproject layer), such as the "
                 "national grid or the UTM zone."
             )
-        for name, least in ((self.SCALE, 0.0), (self.TAU, 1.0)):
-            value = self.parameterAsDouble(parameters, name, context)
-            if not problem and not least <= value < math.inf:
-                problem = f"{name} must be a number of at least {least:g}, and is {value:g}."
-        return problem
+        return (
+            problem
+            or self.number_problem(parameters, context, self.SCALE, 0.0)
+            or self.number_problem(parameters, context, self.TAU, 1.0)
+        )
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.parameterAsSource(parameters, self.INPUT, context)

@@ -1,6 +1,5 @@
 """The tool ``isthmus:prepareaggregation``."""
 
-import math
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -166,14 +165,11 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         )
 
     def parameter_problem(self, parameters, context):
-        tau = self.parameterAsDouble(parameters, self.TAU, context)
-        if not tau >= 1.0 or math.isinf(tau):
-            return f"The largest detour (TAU) must be a number of at least 1, and is {tau:g}."
-        for name in (self.MIN_LENGTH, self.MIN_HOLE):
-            value = self.parameterAsDouble(parameters, name, context)
-            if not value >= 0.0:
-                return f"{name} must not be negative, and is {value:g}."
-        return ""
+        return (
+            self.number_problem(parameters, context, self.TAU, 1.0)
+            or self.limit_problem(parameters, context, self.MIN_LENGTH)
+            or self.limit_problem(parameters, context, self.MIN_HOLE)
+        )
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)

@@ -125,8 +125,9 @@ class TradeoffAlgorithm(PartitionTool):
     def parameter_problem(self, parameters, context):
         low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
         high = self.parameterAsDouble(parameters, self.TAU_MAX, context)
-        if not 1.0 <= low < math.inf:
-            return f"TAU_MIN must be a number of at least 1, and is {low:g}."
+        problem = self.number_problem(parameters, context, self.TAU_MIN, 1.0)
+        if problem:
+            return problem
         if not (high == 0.0 or high >= low):
             return f"TAU_MAX must be 0 or at least TAU_MIN ({low:g}), and is {high:g}."
         return self.objective_problem(parameters, context)
