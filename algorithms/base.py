@@ -20,7 +20,7 @@ from qgis.core import (
 from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
-from .features import common_type
+from .layers.wkb import common_type
 
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
@@ -160,7 +160,7 @@ def dependency_problem():
     try:
         import shapely
 
-        from ..core.triangulation import missing_packages
+        from ..core.partition.triangulation import missing_packages
 
         problem = missing_packages(shapely)
     except ImportError:

@@ -5,13 +5,13 @@ from pathlib import Path
 from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
-from .aggregate import AggregateAlgorithm
+from .aggregation.aggregate import AggregateAlgorithm
 from .base import ICON
-from .focus_map import FocusMapAlgorithm
-from .partition import PartitionAlgorithm
-from .partition_budget import PartitionBudgetAlgorithm
-from .prepare_aggregation import PrepareAggregationAlgorithm
-from .tradeoff import TradeoffAlgorithm
+from .focus.focus_map import FocusMapAlgorithm
+from .partition.partition import PartitionAlgorithm
+from .partition.partition_budget import PartitionBudgetAlgorithm
+from .aggregation.prepare_aggregation import PrepareAggregationAlgorithm
+from .partition.tradeoff import TradeoffAlgorithm
 
 
 class IsthmusProvider(QgsProcessingProvider):

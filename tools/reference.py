@@ -29,8 +29,12 @@ def fields():
 
     "..." stands for the fields of the input, "CLASS" for the field that this parameter names.
     """
-    from isthmus.algorithms import aggregate, cutting, focus_map, partition_budget
-    from isthmus.algorithms import prepare_aggregation, tradeoff
+    from isthmus.algorithms.aggregation import aggregate
+    from isthmus.algorithms.partition import cutting
+    from isthmus.algorithms.focus import focus_map
+    from isthmus.algorithms.partition import partition_budget
+    from isthmus.algorithms.aggregation import prepare_aggregation
+    from isthmus.algorithms.partition import tradeoff
 
     every = ("...", None)
     lines = {"CUTS": cutting.CUT_FIELDS, "DIAGONALS": cutting.DIAGONAL_FIELDS}
@@ -182,10 +186,10 @@ def field(name, kind):
         return "the class field"
     if kind is None:
         return f"`{name}`"
-    from isthmus.algorithms import features
+    from isthmus.algorithms.layers import wkb
 
-    kinds = {features.INTEGER: "whole number", features.LONG: "whole number", features.REAL: "number",
-             features.TEXT: "text"}  # fmt: skip
+    kinds = {wkb.INTEGER: "whole number", wkb.LONG: "whole number", wkb.REAL: "number",
+             wkb.TEXT: "text"}  # fmt: skip
     return f"`{name}` ({kinds[kind]})"
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from ..errors import Cancelled, Unsolvable
-from ..polygon import from_rings, signed_areas
-from ..triangulation import triangles
+from ..partition.polygon import from_rings, signed_areas
+from ..partition.triangulation import triangles
 from .crossings import FLAT, crossing_pairs, cycles, turned
 from .deformation import focus_program
 from .graph import Graph, build_graph, components, joins, match, unique_pairs

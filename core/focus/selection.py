@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..carving import carve, components, spanning_tree
-from ..partition import partition
-from ..objective import SELF
-from ..polygon import from_rings
-from ..triangulation import diagonals
+from ..partition.carving import carve, components, spanning_tree
+from ..partition.solve import partition
+from ..partition.min_size import SELF
+from ..partition.polygon import from_rings
+from ..partition.triangulation import diagonals
 
 __all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
 

@@ -13,8 +13,8 @@ import pytest
 
 qgis_core = pytest.importorskip("qgis.core")
 
-from isthmus.algorithms.aggregate import AggregateAlgorithm  # noqa: E402
-from isthmus.algorithms.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
+from isthmus.algorithms.aggregation.aggregate import AggregateAlgorithm  # noqa: E402
+from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
 from qgis.core import (  # noqa: E402
     NULL,
     QgsFeature,

@@ -91,7 +91,7 @@ def test_a_budget_of_length(run, rooms):
 
 
 def test_a_search_that_ends_early_says_so(run, rooms, feedback, monkeypatch):
-    from isthmus.algorithms import partition as tool
+    from isthmus.algorithms.partition import partition as tool
 
     monkeypatch.setattr(tool, "TIME_LIMIT", 0.0)
     results = partition(run, rooms, feedback, TAU=2, OBJECTIVE="MinLength", MAX_GAP=0)

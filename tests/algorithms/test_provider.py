@@ -231,7 +231,7 @@ def test_missing_packages(provider, run, layer, monkeypatch, absent):
 
 
 def test_an_old_shapely_is_told_apart(monkeypatch):
-    from isthmus.core import triangulation
+    from isthmus.core.partition import triangulation
 
     class Shapely1:
         __version__ = "1.8.5"

@@ -23,7 +23,7 @@ if "isthmus" not in sys.modules:
 
 from isthmus.core import metric  # noqa: E402
 from isthmus.core.aggregation import coverage, instance  # noqa: E402
-from isthmus.core.partition import partition  # noqa: E402
+from isthmus.core.partition.solve import partition  # noqa: E402
 
 # weights and thresholds of the published instance, see the issue on area aggregation
 WEIGHTS = {"change": 1.0, "boundary": 45.0, "centre": 1e-4}

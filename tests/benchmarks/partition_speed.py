@@ -107,8 +107,8 @@ def measure(column, ring):
         seconds, result = timed(lambda: shape.buffer(-width).buffer(width))
         return seconds, f"{shapely.get_num_geometries(result):,} pieces"
     if column in ("core", "rest"):
-        from isthmus.core import triangulation
-        from isthmus.core.partition import partition
+        from isthmus.core.partition import triangulation
+        from isthmus.core.partition.solve import partition
 
         inside, call = [], triangulation._by_triangle
 

@@ -30,9 +30,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import conftest  # noqa: E402
 
 from isthmus.core import objective_weighted  # noqa: E402
-from isthmus.core.budget import joint_solver, smallest_dilation  # noqa: E402
-from isthmus.core.objective import SLACK, witness_lengths  # noqa: E402
-from isthmus.core.partition import prepare, select  # noqa: E402
+from isthmus.core.partition.tradeoff import joint_solver, smallest_dilation  # noqa: E402
+from isthmus.core.partition.min_size import SLACK, witness_lengths  # noqa: E402
+from isthmus.core.partition.solve import prepare, select  # noqa: E402
 
 sys.path.insert(0, str(conftest.ROOT / "tools"))
 from measured import note  # noqa: E402

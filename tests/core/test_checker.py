@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from isthmus.core.checker import dilations
+from isthmus.tests.core.checker import dilations
 
 SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
 NONE = np.empty((0, 2), dtype=int)

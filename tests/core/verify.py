@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import shapely
 
-from isthmus.core import checker
-from isthmus.core.objective import SELF
-from isthmus.core.partition import partition
+from . import checker
+from isthmus.core.partition.min_size import SELF
+from isthmus.core.partition.solve import partition
 
 CLOSE = 1e-9  # relative
 

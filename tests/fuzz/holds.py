@@ -18,8 +18,9 @@ import numpy as np
 import shapely
 from cases import BAD_WEIGHTS, BY_FEATURE, WEIGHTS, run
 from isthmus.algorithms.base import LARGEST
-from isthmus.algorithms.solving import measure_of
-from isthmus.core import checker, metric
+from isthmus.algorithms.partition.solving import measure_of
+from isthmus.core import metric
+import checker
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9

@@ -29,13 +29,13 @@ from qgis.core import (  # noqa: E402
     QgsVectorLayer,
 )
 
-from isthmus.algorithms import features  # noqa: E402
-from isthmus.algorithms.aggregate import AggregateAlgorithm  # noqa: E402
-from isthmus.algorithms.focus_map import FocusMapAlgorithm  # noqa: E402
-from isthmus.algorithms.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
+from isthmus.algorithms.layers.wkb import LONG, REAL, TEXT, field  # noqa: E402
+from isthmus.algorithms.aggregation.aggregate import AggregateAlgorithm  # noqa: E402
+from isthmus.algorithms.focus.focus_map import FocusMapAlgorithm  # noqa: E402
+from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
 from isthmus.algorithms.provider import IsthmusProvider  # noqa: E402
 
-KINDS = {"string": features.TEXT, "integer": features.LONG, "double": features.REAL}
+KINDS = {"string": TEXT, "integer": LONG, "double": REAL}
 DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
 
 
@@ -121,7 +121,7 @@ def open_layer(one, folder):
     uri = one["type"] + (f"?crs={one['crs']}" if one["crs"] else "")
     made = QgsVectorLayer(uri, "layer", "memory")
     provider = made.dataProvider()
-    provider.addAttributes([features.field(name, KINDS[kind]) for name, kind in one["fields"]])
+    provider.addAttributes([field(name, KINDS[kind]) for name, kind in one["fields"]])
     made.updateFields()
     rows = []
     for geometry, values in one["rows"]:

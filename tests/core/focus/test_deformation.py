@@ -6,10 +6,10 @@ import shapely
 
 pytest.importorskip("scipy")
 
-from isthmus.core.checker import dilations
+from isthmus.tests.core.checker import dilations
 from isthmus.core.focus import crossings, deformation, graph, measures, outline, selection
-from isthmus.core.polygon import from_rings
-from isthmus.core.triangulation import diagonals
+from isthmus.core.partition.polygon import from_rings
+from isthmus.core.partition.triangulation import diagonals
 
 from ..shapes import circle, tour
 

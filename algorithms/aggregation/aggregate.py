@@ -1,0 +1,692 @@
+"""The tool ``isthmus:aggregate``."""
+
+import re
+
+from qgis.core import (
+    NULL,
+    QgsFields,
+    QgsProcessing,
+    QgsProcessingException,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterField,
+    QgsProcessingParameterNumber,
+    QgsProcessingParameterString,
+    QgsProcessingUtils,
+    QgsWkbTypes,
+)
+
+from . import areas as layer
+from ..layers import wkb
+from .tables import distances, thresholds
+from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, install_hint
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers.sinks import Sinks, make_fields
+
+REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
+ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
+LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
+METHODS = ("greedy", "annealing", "exact")
+DISTANCES = ("equal", "code", "table")
+BOUNDARIES = ("regions", "classes")
+
+HELP = """
+<p>Aggregates the areas of a land-cover map for a smaller scale: every area is given to a region, and
+every region is contiguous, at least as large as its class demands, and has the class of at least
+one of its areas. Among all ways to do so the tool looks for one of least cost.</p>
+<p>Takes the pieces of <i>Prepare areas for aggregation</i>, too: pieces of one area that end in one
+region are merged again.</p>
+<h3>Methods</h3>
+<p><i>greedy</i>: the smallest area joins the neighbour that costs least; quick.<br/>
+<i>annealing</i>: starts there and improves it, for a number of steps or seconds. The same seed and
+number of steps give the same result.<br/>
+<i>exact</i>: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that
+certifies how good the result is. Between areas that are large enough by themselves, a dozen small
+ones take seconds, and twenty may take minutes.</p>
+<h3>Cost</h3>
+<p>The sum of three parts, each with a weight:<br/>
+<i>class change</i>: size in square metres times the distance of the two classes;<br/>
+<i>boundary length</i>: metres between regions, or only between regions of different class;<br/>
+<i>centre distance</i>: size times the distance in metres from the centroid of an area to that of
+its region's core, the area that gives the region its class.</p>
+<p>The weights given are good for 40 hectares (1:250,000); for another minimum size multiply that of the
+boundary length by the square root of the ratio, and divide that of the centre distance by it.</p>
+<p><i>Beware:</i> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
+one class are merged for their boundary alone. Choose boundaries between <i>classes</i>, raise the
+weight of the centre distance, or fix the number of regions, if you do not want that.</p>
+{lists}
+<h3>What cannot be helped</h3>
+<p>Areas on an island that is too small for any of their classes, and areas without a class, stay as
+they are, with the reason in <i>status</i>.</p>
+<h3>Problem</h3>
+<p>J.-H. Haunert and A. Wolff, Area aggregation in map generalisation by mixed-integer
+programming, IJGIS 24(12), 2010.</p>
+"""
+
+
+class AggregateAlgorithm(IsthmusAlgorithm):
+    """Aggregate the areas of a coverage into large regions."""
+
+    help_text = HELP
+    CLASS = "CLASS"
+    THRESHOLD = "THRESHOLD"
+    THRESHOLDS = "THRESHOLDS"
+    EXCLUDED = "EXCLUDED"
+    DISTANCE = "DISTANCE"
+    DISTANCES = "DISTANCES"
+    WEIGHT_CHANGE = "WEIGHT_CHANGE"
+    WEIGHT_BOUNDARY = "WEIGHT_BOUNDARY"
+    BOUNDARY = "BOUNDARY"
+    WEIGHT_CENTRE = "WEIGHT_CENTRE"
+    METHOD = "METHOD"
+    SEED = "SEED"
+    ITERATIONS = "ITERATIONS"
+    SECONDS = "SECONDS"
+    REGIONS = "REGIONS"
+    AREA_ID = "AREA_ID"
+    DECOMPOSE = "DECOMPOSE"
+    OUTPUT = "OUTPUT"
+    ASSIGNMENT = "ASSIGNMENT"
+    TOTAL_COST = "TOTAL_COST"
+    CHANGE_COST = "CHANGE_COST"
+    BOUNDARY_COST = "BOUNDARY_COST"
+    CENTRE_COST = "CENTRE_COST"
+    REGION_COUNT = "REGION_COUNT"
+    CHANGED_SHARE = "CHANGED_SHARE"
+    TOO_SMALL_COUNT = "TOO_SMALL_COUNT"
+    SKIPPED_COUNT = "SKIPPED_COUNT"
+    LOWER_BOUND = "LOWER_BOUND"
+
+    def name(self):
+        return "aggregate"
+
+    def displayName(self):
+        return "Aggregate areas"
+
+    def group(self):
+        return "Area aggregation"
+
+    def groupId(self):
+        return "aggregation"
+
+    def tags(self):
+        return (
+            "aggregation,aggregate,generalize,generalization,land cover,land use,merge,dissolve,"
+            "eliminate,minimum size,minimum mapping unit,region,class,annealing,optimize"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Joins small land-cover areas to regions of a minimum size at least cost."
+
+    def initAlgorithm(self, configuration=None):
+        add = self.add
+        number = QgsProcessingParameterNumber.Type
+        table = [QgsProcessing.SourceType.TypeVector]
+
+        def choice(name, label, options, default):
+            return QgsProcessingParameterEnum(
+                name, label, list(options), defaultValue=default, usesStaticStrings=True
+            )
+
+        def amount(name, label, default, kind=number.Double, **options):
+            return QgsProcessingParameterNumber(
+                name, label, kind, defaultValue=default, minValue=0, **options
+            )
+
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.INPUT, "Areas", [QgsProcessing.SourceType.TypeVectorPolygon]
+            ),
+            "Areas that fill a map, or the pieces of Prepare areas for aggregation.",
+        )
+        add(
+            QgsProcessingParameterField(self.CLASS, "Class field", parentLayerParameterName=self.INPUT),
+            "The field with the class of each area.",
+        )
+        add(
+            amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0, maxValue=LARGEST),
+            "How large every region must be at least. Classes in the table of minimum sizes have "
+            "their own.",
+            decimals=2,
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.THRESHOLDS, "Minimum sizes by class", table, optional=True
+            ),
+            "A table with the fields class and threshold (square metres). A class whose threshold is "
+            "empty may not appear in the result.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterString(self.EXCLUDED, "Excluded classes", optional=True),
+            "Classes that may not appear in the result, separated by commas.",
+        )
+        add(
+            choice(self.DISTANCE, "Distance of classes", DISTANCES, "equal"),
+            "equal: every change counts 1. code: hierarchical codes such as CORINE's; the share of "
+            "the digits from the first differing one on (311 to 312: 1/3). table: from a table.",
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.DISTANCES, "Table of class distances", table, optional=True
+            ),
+            "A table with the fields from, to and distance. Where only one direction is listed, it is "
+            "used for both.",
+        )
+        add(
+            amount(self.WEIGHT_CHANGE, "Weight of class change", 1.0),
+            "For each square metre times class distance.",
+            advanced=True,
+        )
+        add(
+            amount(self.WEIGHT_BOUNDARY, "Weight of boundary length", 45.0),
+            "For each metre of boundary.",
+            advanced=True,
+        )
+        add(
+            choice(self.BOUNDARY, "Boundaries that count: of regions or of classes", BOUNDARIES, "regions"),
+            "regions: between all regions. classes: only between regions of different class.",
+        )
+        add(
+            amount(self.WEIGHT_CENTRE, "Weight of centre distance", 0.0001),
+            "For each square metre times metre.",
+            advanced=True,
+        )
+        add(
+            choice(self.METHOD, "Method", METHODS, "annealing"),
+            "greedy: quick. annealing: better the longer it runs. exact: best, for small maps.",
+        )
+        add(
+            amount(self.SEED, "Seed of annealing", 1, number.Integer),
+            "Another seed gives another result.",
+            advanced=True,
+        )
+        add(
+            amount(self.ITERATIONS, "Steps of annealing (0: 10,000 an area)", 0, number.Integer),
+            "How many moves are tried.",
+            advanced=True,
+        )
+        add(
+            amount(self.SECONDS, "Seconds to search (0: not limited)", 0.0),
+            "annealing: run this long instead of a number of steps; then two runs may differ. exact: "
+            "the time limit, 60 if 0.",
+            decimals=1,
+        )
+        add(
+            amount(self.REGIONS, "Number of regions (0: free)", 0, number.Integer),
+            "Wanted number of regions, for greedy and annealing. Said if it cannot be reached.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterField(
+                self.AREA_ID, "Field with the area of a piece", parentLayerParameterName=self.INPUT, optional=True
+            ),
+            "The field that is equal for the pieces of one area. Default: area_id, if there are "
+            "fields area_id and piece.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterBoolean(
+                self.DECOMPOSE, "Exact: large areas stay cores of their own", defaultValue=True
+            ),
+            "An area that is large enough by itself is always the core of a region. The map then "
+            "falls into parts that are solved one by one; the lower bound is that of solutions with "
+            "this property.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.OUTPUT, "Regions", QgsProcessing.SourceType.TypeVectorPolygon
+            ),
+            "The regions with region (number), the class field, size (square metres), areas (how "
+            "many), core (id of the area whose class was kept) and status (why it is too small).",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.ASSIGNMENT,
+                "Areas with their regions",
+                QgsProcessing.SourceType.TypeVectorPolygon,
+                optional=True,
+                createByDefault=False,
+            ),
+            "The areas with all fields, region, new_class, changed (1 or 0) and status.",
+        )
+        self.add_numbers(
+            (
+                (self.TOTAL_COST, "Total cost"),
+                (self.CHANGE_COST, "Cost of class change"),
+                (self.BOUNDARY_COST, "Cost of boundary length"),
+                (self.CENTRE_COST, "Cost of centre distance"),
+                (self.REGION_COUNT, "Number of regions"),
+                (self.CHANGED_SHARE, "Share of the area whose class changed"),
+                (self.TOO_SMALL_COUNT, "Number of regions that are too small"),
+                (self.SKIPPED_COUNT, "Number of areas without geometry or class"),
+                (self.LOWER_BOUND, "Lower bound of the total cost (exact)"),
+            )
+        )
+
+    def parameter_problem(self, parameters, context):
+        method = self.parameterAsString(parameters, self.METHOD, context)
+        if method == "exact":
+            problem = highs_problem()
+            if problem:
+                return problem
+        if self.parameterAsString(parameters, self.DISTANCE, context) == "table" and not (
+            parameters.get(self.DISTANCES)
+        ):
+            return "A table of class distances (DISTANCES) is needed, or another way to measure them."
+        for name in (
+            self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
+            self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
+        ):
+            problem = self.number_problem(parameters, context, name, 0.0)
+            if problem:
+                return problem
+        return ""
+
+    def processAlgorithm(self, parameters, context, feedback):
+        source = self.source(parameters, context)
+        import numpy as np
+
+        from ...core.aggregation.instance import costs
+
+        run = _Run(self, parameters, context, feedback, source)
+        run.read()
+        if feedback.isCanceled():
+            return {}
+        found, bound = run.solve()
+        if found is None:
+            return {}
+        with Sinks(self, parameters, context, feedback) as sinks:
+            results = run.write(found, sinks)
+        results.update(sinks.destinations)
+        cost = costs(run.problem, found)
+        size = float(np.sum(run.areas.size))
+        results.update({
+            self.TOTAL_COST: cost.total,
+            self.CHANGE_COST: cost.change,
+            self.BOUNDARY_COST: cost.boundary,
+            self.CENTRE_COST: cost.centre,
+            self.CHANGED_SHARE: cost.changed_size / size if size else 0.0,
+        })
+        feedback.pushInfo(
+            f"Cost {cost.total:.6g}: class change {cost.change:.6g}, boundary {cost.boundary:.6g}, "
+            f"centre distance {cost.centre:.6g}. {results[self.REGION_COUNT]} regions; "
+            f"{100 * results[self.CHANGED_SHARE]:.2f} % of the area changed its class."
+        )
+        if bound is not None:
+            # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
+            results[self.LOWER_BOUND] = float(min(bound, cost.total))
+        return results
+
+
+def highs_problem():
+    """Return what is missing for the exact method and how to install it, or ''."""
+    from ...core.aggregation.exact import require_highs
+    from ...core.errors import MissingEngine
+
+    try:
+        require_highs()
+    except MissingEngine as problem:
+        import numpy
+
+        hint = install_hint(numpy.__version__).replace('"shapely>=2.1" triangle', '"scipy>=1.9"')
+        hint = hint.replace("leave out triangle where pip does not find it; ", "")
+        return f"{str(problem)[0].upper()}{str(problem)[1:]}. {hint}"
+    return ""
+
+
+def _pieces(names):
+    """The fields area_id and size of Prepare areas for aggregation, whatever their numbers; or -1.
+
+    The areas may have had fields of these names themselves: then those of the tool have a number
+    (area_id_2), and come last, one after the other.
+    """
+    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
+    for k in range(len(names) - 4, -1, -1):
+        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+            return k, k + 2
+    lower = [name.lower() for name in names]
+    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
+
+
+def _region_fields(class_field):
+    """Fields of the regions; where the class has one of their names, theirs gets a number."""
+    own = QgsFields()
+    own.append(class_field)
+    names = QgsProcessingUtils.combineFields(own, make_fields(REGION_FIELDS)).names()[1:]
+    own = make_fields(((names[0], LONG),))
+    own.append(class_field)
+    for field in make_fields([(name, kind) for name, (_, kind) in zip(names[1:], REGION_FIELDS[1:])]):
+        own.append(field)
+    return own
+
+
+class _Run:
+    """One run of the tool."""
+
+    def __init__(self, tool, parameters, context, feedback, source):
+        self.tool, self.parameters, self.context = tool, parameters, context
+        self.feedback, self.source = feedback, source
+        self.class_index = self.field(tool.CLASS)
+        self.class_field = source.fields()[self.class_index]
+        self.id_index = self.field(tool.AREA_ID, needed=False)
+        self.size_index = -1
+        found, size = _pieces(source.fields().names())
+        if self.id_index < 0 and found >= 0:
+            self.id_index = found
+            feedback.pushInfo(
+                f"The field {source.fields()[found].name()} tells which pieces belong to one area."
+            )
+        if self.id_index == found:
+            self.size_index = size
+
+    def number(self, name):
+        return self.tool.parameterAsDouble(self.parameters, name, self.context)
+
+    def choice(self, name):
+        return self.tool.parameterAsString(self.parameters, name, self.context)
+
+    def field(self, name, needed=True):
+        """Index of a field that a parameter names; -1 where it names none."""
+        wanted = self.tool.parameterAsString(self.parameters, name, self.context)
+        index = self.source.fields().lookupField(wanted) if wanted else -1
+        if index < 0 and (needed or wanted):
+            names = ", ".join(field.name() for field in self.source.fields())
+            raise QgsProcessingException(
+                f"The areas have no field {wanted!r} ({name}). Their fields are: {names}."
+            )
+        return index
+
+    def read(self):
+        """Read the layer and the tables into a problem."""
+        import numpy as np
+
+        from ...core.aggregation.instance import build
+
+        tool, feedback = self.tool, self.feedback
+        crs = self.source.sourceCrs()
+        self.steps = Steps(self.source, feedback)
+        feedback.setProgressText("Reading the areas")
+        areas = self.areas = layer.read(self.steps, crs)
+        feedback.setProgressText("Finding shared boundaries")
+        pairs, length = layer.neighbours(areas)
+        texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
+        shaped = np.zeros(len(texts), dtype=bool)
+        shaped[areas.owner] = True
+        self.reason = {}
+        huge = set(areas.owner[~areas.measured].tolist())
+        for k, one in enumerate(areas.features):
+            if not shaped[k]:
+                self.reason[k] = "it has no geometry" if not one.hasGeometry() else "it is empty"
+            elif k in huge:
+                self.reason[k] = (
+                    f"it has coordinates that are not finite, or larger than {layer.FARTHEST:g}"
+                )
+            elif texts[k] is None:
+                self.reason[k] = "it has no class"
+        self._tell_invalid(set(layer.invalid(areas).tolist()) - set(self.reason))
+        for k, reason in self.reason.items():
+            feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
+        classes = sorted({one for one in texts if one is not None})
+        if not classes:
+            feedback.pushWarning("No area has a class: there is nothing to aggregate.")
+        tables = (tool, self.parameters, self.context, feedback)
+        theta = thresholds(*tables, classes)
+        distance = distances(*tables, classes)
+        # the last class stands for none: nobody may get it, and who has it keeps it
+        number = {one: k for k, one in enumerate(classes)}
+        none = len(classes)
+        cls = np.array([number.get(one, none) for one in texts], dtype=np.int64)
+        left = np.array([k in self.reason for k in range(len(texts))], dtype=bool)
+        alone = left[pairs].any(axis=1)
+        padded = np.zeros((none + 1, none + 1))
+        padded[:none, :none] = distance
+        self.classes = classes
+        self.problem = build(
+            areas.size, cls, areas.place, pairs[~alone], length[~alone], padded,
+            np.append(theta, np.inf), self.number(tool.WEIGHT_CHANGE),
+            self.number(tool.WEIGHT_BOUNDARY), self.number(tool.WEIGHT_CENTRE),
+            self.choice(tool.BOUNDARY) == "classes",
+        )
+        self._refuse_endless_costs()
+
+    def _tell_invalid(self, numbers, most=10):
+        """Warn of areas that are not valid."""
+        if numbers:
+            ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
+            self.feedback.pushWarning(
+                f"Not valid (an outline crosses itself, for one): {counted(len(ids), 'area')}, "
+                f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
+                "be wrong. Run Fix geometries on the layer first."
+            )
+
+    def _refuse_endless_costs(self):
+        """Complain of weights, distances or coordinates with which costs are no numbers any more."""
+        import numpy as np
+
+        problem = self.problem
+        size, place = problem.size.sum(), problem.place
+        with np.errstate(over="ignore"):
+            extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
+            most = {
+                "class change": size * problem.change * problem.distance.max(initial=0.0),
+                "boundary length": problem.boundary * problem.length.sum(),
+                "centre distance": size * problem.centre * extent,
+            }
+        for name, cost in most.items():
+            if not cost < LARGEST_COST:
+                raise QgsProcessingException(
+                    f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
+                    "smaller weight (or class distances), and see that no area is far away by mistake."
+                )
+
+    def solve(self):
+        """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
+        from ...core.aggregation.annealing import annealing
+        from ...core.aggregation.exact import exact
+        from ...core.aggregation.greedy import greedy, reach_count
+        from ...core.errors import Cancelled
+
+        tool, feedback, problem = self.tool, self.feedback, self.problem
+        method, seconds = self.choice(tool.METHOD), self.number(tool.SECONDS)
+        count = int(self.number(tool.REGIONS)) or None
+        shapeless = len(problem.size) - len(set(self.areas.owner.tolist()))
+        if count:  # for the core, an area without a geometry is a region, too
+            count += shapeless
+
+        def check(share):
+            if feedback.isCanceled():
+                raise Cancelled("cancelled")
+            if share is not None:
+                feedback.setProgress(100.0 * share)
+
+        feedback.setProgressText(f"Aggregating {len(problem.size)} areas ({method})")
+        bound = None
+        try:
+            if method == "greedy":
+                found = greedy(problem, check)
+                if count:
+                    found = reach_count(problem, found, count, check)
+            elif method == "annealing":
+                found = annealing(
+                    problem,
+                    seed=int(self.number(tool.SEED)),
+                    iterations=int(self.number(tool.ITERATIONS)) or None,
+                    seconds=seconds or None,
+                    count=count,
+                    check=check,
+                )
+            else:
+                decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
+                begin = annealing(
+                    problem, int(self.number(tool.SEED)), 1000 * len(problem.size), check=check
+                )
+                result = exact(problem, seconds or 60.0, decompose, begin, check)
+                found, bound = result.found, result.bound
+                self._tell_gap(result, decompose)
+                if count:
+                    feedback.pushWarning("The number of regions is not used by the exact method.")
+                    count = None
+        except Cancelled:
+            return None, None
+        if count and len(found.core) != count:
+            feedback.pushWarning(
+                f"{count - shapeless} regions were wanted, and {len(found.core) - shapeless} is as "
+                "near as thresholds and neighbours allowed by merging and splitting single regions."
+            )
+        return found, bound
+
+    def _tell_gap(self, result, decompose):
+        from ...core.aggregation.instance import costs
+
+        total = costs(self.problem, result.found).total
+        gap = max(0.0, 1.0 - result.bound / total) if total else 0.0
+        kind = " in which every area that is large enough by itself is a core" * decompose
+        if result.proven:
+            said = f"No solution{kind} costs less"
+        else:
+            said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
+        self.feedback.pushInfo(
+            f"{said} (gap {100 * gap:.2f} %; "
+            f"{counted(result.parts, 'independent part')}, "
+            f"{counted(result.rounds, 'programme')} solved)."
+        )
+
+    def write(self, found, sinks):
+        """Write the layers; return the numbers."""
+        import numpy as np
+
+        from ...core.aggregation.coverage import joined
+        from ...core.aggregation.instance import problems
+
+        tool, problem, areas = self.tool, self.problem, self.areas
+        count = len(found.core)
+        shaped = np.zeros(len(areas.features), dtype=bool)
+        shaped[areas.owner] = True
+        region_of = [int(r) if shaped[k] else -1 for k, r in enumerate(found.region.tolist())]
+        label = np.array(region_of, dtype=np.int64)
+        sources = self._sources()
+        faults = {}
+        for r, fault in problems(problem, found):
+            faults[r] = self.reason.get(int(found.core[r])) or (
+                "its class is excluded, and no other is possible here"
+                if fault == "excluded class" else fault
+            )
+        members = [[] for _ in range(count)]
+        for k, r in enumerate(region_of):
+            if r >= 0:
+                members[r].append(k)
+
+        # pieces of one area that end in one region are one again
+        groups = {}
+        for k, r in enumerate(region_of):
+            groups.setdefault((sources[k], r) if r >= 0 else (k, None), []).append(k)
+        merged = np.full(len(label), -1)
+        for number, group in enumerate(groups.values()):
+            if len(group) > 1:
+                merged[group] = number
+        shapes = joined(areas.coverage, label[areas.owner])
+        merged_shapes = joined(areas.coverage, merged[areas.owner])
+
+        # several polygons for one feature: of multipart areas, or where overlaps must be united
+        wkb_type = self.steps.wkb_type
+        united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(members))
+        united += len(set(merged[merged >= 0].tolist()) - set(merged_shapes))
+        if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
+            wkb_type = QgsWkbTypes.multiType(wkb_type)
+        multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
+        crs = self.source.sourceCrs()
+        own = _region_fields(self.class_field)
+        sinks.open(tool.OUTPUT, own, wkb_type, crs)
+        size = np.bincount(found.region, weights=problem.size, minlength=count)
+        written = 0
+        for r, group in enumerate(members):
+            if not group:
+                continue
+            core = areas.features[int(found.core[r])]
+            geometry = self._shape(group, shapes.get(r), extra, multi)
+            values = [
+                r + 1, core.attributes()[self.class_index], float(size[r]),
+                len({sources[k] for k in group}), core.id(), faults.get(r, ""),
+            ]
+            sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
+            written += 1
+        small = [
+            r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
+        ]
+        self._report_small(small, found, size, faults)
+        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, sinks)
+        return {
+            tool.REGION_COUNT: written,
+            tool.TOO_SMALL_COUNT: len(small),
+            tool.SKIPPED_COUNT: len(self.reason),
+        }
+
+    def _sources(self):
+        """What identifies the area of each feature: pieces of one area have the same."""
+        if self.id_index < 0:
+            return list(range(len(self.areas.features)))
+        ids = [layer.text(one.attributes()[self.id_index]) for one in self.areas.features]
+        return [k if one is None else one for k, one in enumerate(ids)]
+
+    def _shape(self, group, polygons, extra, multi):
+        """Geometry of the areas of a region; of a single one its own, as it is."""
+        if len(group) == 1:
+            geometry = layer.with_dimensions(
+                self.areas.features[group[0]].geometry(), self.steps.wkb_type
+            )
+            if multi:
+                geometry.convertToMultiType()
+            return geometry
+        if polygons is None:
+            return layer.union([self.areas.features[k].geometry() for k in group])
+        return layer.joined_geometry(self.areas, polygons, extra, multi)
+
+    def _report_small(self, small, found, size, faults, most=20):
+        for r in small[:most]:
+            core = self.areas.features[int(found.core[r])]
+            self.feedback.pushWarning(
+                f"Region {r + 1} around area {core.id()} ({size[r]:.6g} square metres) could not be "
+                f"helped: {faults[r]}. It has no neighbours that would make it large enough."
+            )
+        if len(small) > most:
+            self.feedback.pushWarning(f"... and {len(small) - most} more; see the field status.")
+        if len(small) == len(found.core) > 0:
+            self.feedback.pushWarning(
+                "No region reaches its minimum size: is the threshold larger than the map?"
+            )
+
+    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, sinks):
+        """Write the areas with their regions; ``groups`` has the pieces of each, by its region."""
+        tool, areas = self.tool, self.areas
+        new_class = type(self.class_field)(self.class_field)
+        new_class.setName("new_class")
+        added = make_fields(ASSIGNED_FIELDS[:1])
+        added.append(new_class)
+        for one in make_fields(ASSIGNED_FIELDS[1:]):
+            added.append(one)
+        own = QgsProcessingUtils.combineFields(self.source.fields(), added)
+        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, crs, False):
+            return
+        multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
+        for number, ((_, r), group) in enumerate(groups.items()):
+            first = areas.features[group[0]]
+            values = first.attributes()
+            if len(group) > 1 and self.size_index >= 0:
+                values[self.size_index] = float(areas.size[group].sum())
+            if r is None or group[0] in self.reason:
+                region = NULL if r is None else r + 1
+                values += [region, values[self.class_index], 0, self.reason.get(group[0], "")]
+            else:
+                core = int(found.core[r])
+                kept = areas.features[core].attributes()[self.class_index]
+                changed = int(self.problem.cls[core] != self.problem.cls[group[0]])
+                values += [r + 1, kept, changed, faults.get(r, "")]
+            if r is None:
+                geometry = first.geometry()
+            else:
+                geometry = self._shape(group, shapes.get(number), extra, multi)
+            sinks.add(tool.ASSIGNMENT, geometry, values, f"area {first.id()}")

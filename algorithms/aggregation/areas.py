@@ -1,0 +1,206 @@
+"""A layer of areas as arrays: what the two aggregation tools share."""
+
+from typing import NamedTuple
+
+from qgis.core import (
+    NULL,
+    QgsGeometry,
+    QgsUnitTypes,
+    QgsWkbTypes,
+)
+
+from ..layers import wkb
+from ..partition.solving import measure_of
+
+EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
+FARTHEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
+
+
+class Areas(NamedTuple):
+    """Areas of a layer, in its order.
+
+    Attributes
+    ----------
+    features : list of QgsFeature
+    coverage : core.aggregation.coverage.Coverage
+    owner : (q,) int
+        The area of each polygon; an area has several if it is multipart, none if it is empty.
+    measured : (q,) bool
+        Whether a polygon is in the coverage: all of its coordinates are numbers, and none is huge.
+    size : (n,) float
+        In square metres.
+    place : (n,) complex
+        Centroids, in metres.
+    metre : float
+        Metres in one unit of the measure.
+    measure : core.metric.Metric
+    """
+
+    features: list
+    coverage: object
+    owner: object
+    measured: object
+    size: object
+    place: object
+    metre: float
+    measure: object
+
+
+def with_dimensions(geometry, wkb_type):
+    """Return a geometry with the Z and M of a layer; what it lacks becomes 0."""
+    own = geometry.wkbType()
+    if geometry.isNull():
+        return geometry
+    if QgsWkbTypes.hasZ(own) == QgsWkbTypes.hasZ(wkb_type) and (
+        QgsWkbTypes.hasM(own) == QgsWkbTypes.hasM(wkb_type)
+    ):
+        return geometry
+    geometry = QgsGeometry(geometry)
+    if QgsWkbTypes.hasZ(wkb_type):
+        geometry.get().addZValue(0.0)
+    if QgsWkbTypes.hasM(wkb_type):
+        geometry.get().addMValue(0.0)
+    return geometry
+
+
+def metres_of(crs):
+    """Return the metres in one unit of `measure_of` a CRS; 1 where the unit is not known."""
+    unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
+    if crs.isGeographic() or not crs.isValid() or crs.mapUnits() == unknown:
+        return 1.0
+    return QgsUnitTypes.fromUnitToUnitFactor(
+        crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters
+    )
+
+
+def read(steps, crs):
+    """Read the features of a layer.
+
+    Parameters
+    ----------
+    steps : base.Steps
+    crs : QgsCoordinateReferenceSystem
+
+    Returns
+    -------
+    Areas
+    """
+    kept, polygons, owner = [], [], []
+    for feature in steps:
+        found = wkb.polygons(with_dimensions(feature.geometry(), steps.wkb_type))
+        polygons += found
+        owner += [len(kept)] * len(found)
+        kept.append(feature)
+    return arrange(kept, polygons, owner, crs)
+
+
+def arrange(kept, polygons, owner, crs):
+    """Return `Areas` from features, and polygons as (coords, offsets) with the area of each."""
+    import numpy as np
+
+    from ...core.aggregation.coverage import centroids, cover
+
+    # rings of fewer than three vertices bound nothing
+    measure, metre = measure_of(crs), metres_of(crs)
+    coords, sizes, ring_polygon = [np.zeros((0, 2))], [], []
+    measured = np.array([(np.abs(rows[:, :2]) <= FARTHEST).all() for rows, _ in polygons], dtype=bool)
+    for number, (rows, offsets) in enumerate(polygons):
+        if not measured[number]:
+            continue
+        coords.append(rows)
+        sizes += [size for size in np.diff(offsets).tolist() if size]
+        ring_polygon += [number] * int((np.diff(offsets) > 0).sum())
+    width = max((rows.shape[1] for rows in coords[1:]), default=2)
+    coords = np.concatenate(coords[1:]) if len(coords) > 1 else np.zeros((0, width))
+    offsets = np.append(0, np.cumsum(sizes)).astype(np.int64)
+    coverage = cover(coords, offsets, np.array(ring_polygon, dtype=np.int64))
+    owner = np.array(owner, dtype=np.int64)
+    count = len(polygons)
+    xy = coords[:, :2]
+    area, moment = centroids(coverage, measure.equal_area(xy) if len(xy) else xy, count)
+    if crs.isGeographic():  # the centroid in degrees, its metres near the middle of the layer
+        flat, moment = centroids(coverage, xy, count)
+        moment = moment * np.divide(area, flat, out=np.zeros(count), where=flat > 0)[:, None]
+    n = len(kept)
+    size = np.bincount(owner, weights=area, minlength=n)
+    weight = np.where(size > 0, size, 1.0)
+    x = np.bincount(owner, weights=moment[:, 0], minlength=n) / weight
+    y = np.bincount(owner, weights=moment[:, 1], minlength=n) / weight
+    # of an area that crosses itself, parts count as negative: its centroid might be anywhere
+    ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
+    row_area = np.repeat(ring_area, np.diff(offsets))
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, row_area, xy)
+    np.maximum.at(high, row_area, xy)
+    some = np.isfinite(low[:, 0])
+    x[some] = np.clip(x[some], low[some, 0], high[some, 0])
+    y[some] = np.clip(y[some], low[some, 1], high[some, 1])
+    if crs.isGeographic() and n:
+        middle = np.median(x)
+        x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
+        y = EARTH_RADIUS * np.radians(y)
+    return Areas(kept, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
+                 (x + 1j * y) * metre, metre, measure)
+
+
+def neighbours(areas):
+    """Return pairs of areas that share a boundary, and its length in metres, each pair once."""
+    import numpy as np
+
+    from ...core.aggregation.coverage import shared
+
+    pairs, length = shared(areas.coverage, areas.measure)
+    pairs = np.sort(areas.owner[pairs], axis=1).reshape(-1, 2)
+    apart = pairs[:, 0] != pairs[:, 1]
+    pairs, length = pairs[apart], length[apart] * areas.metre
+    n = max(len(areas.features), 1)
+    key, group = np.unique(pairs[:, 0] * n + pairs[:, 1], return_inverse=True)
+    total = np.bincount(group.ravel(), weights=length, minlength=len(key))
+    return np.column_stack((key // n, key % n)), total
+
+
+def joined_geometry(areas, polygons, extra, multi):
+    """Return the geometry of joined polygons (see ``coverage.joined``)."""
+    made = [
+        wkb.polygon_geometry(areas.coverage.coords, rings, extra, False) for rings in polygons
+    ]
+    if len(made) == 1:
+        return _multi(made[0]) if multi else made[0]
+    return QgsGeometry.collectGeometry(made)
+
+
+def _multi(geometry):
+    geometry.convertToMultiType()
+    return geometry
+
+
+def invalid(areas):
+    """Return the numbers of the areas that are not valid."""
+    import numpy as np
+    import shapely
+
+    from ...core.aggregation.coverage import shapes
+
+    valid = shapely.is_valid(shapes(areas.coverage, len(areas.owner)))
+    return np.unique(areas.owner[~valid])
+
+
+def union(geometries):
+    """Return the union of geometries that do not fit together, repaired where they are not valid."""
+    valid = [one if one.isGeosValid() else one.makeValid() for one in geometries]
+    # a repaired outline may have come apart in lines, too
+    valid = [
+        part for one in valid if not one.isNull() for part in one.asGeometryCollection()
+        if part.constGet().dimension() == 2
+    ]
+    whole = QgsGeometry.unaryUnion(valid)
+    return whole if not whole.isEmpty() else QgsGeometry.collectGeometry(geometries)
+
+
+def text(value):
+    """Return a class as text: 311, 311.0 and "311" are one class; None where there is none."""
+    if value is None or value == NULL:
+        return None
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    return str(value).strip() or None

@@ -1,0 +1,323 @@
+"""The tool ``isthmus:prepareaggregation``."""
+
+
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsProcessing,
+    QgsProcessingException,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterField,
+    QgsProcessingParameterNumber,
+    QgsProcessingUtils,
+    QgsWkbTypes,
+)
+
+from . import areas as layer
+from ..layers import wkb
+from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from ..partition.cutting import BY_LENGTH, BY_SIZE
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers.sinks import Sinks, make_fields
+from ..partition.solving import Settings, measure_of, solve, weigh_by_length
+
+PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
+PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
+
+HELP = """
+<p>Splits the areas of a land-cover map at their bottlenecks, so that <i>Aggregate areas</i> can give
+the parts of one area to different regions. Less then has to change its class, and the regions become
+more compact.</p>
+<p>Run <i>Aggregate areas</i> with the pieces next: pieces of one area that end in one region are
+merged again.</p>
+{lists}
+<h3>What the map should be like</h3>
+<p>The areas should fill the map without overlaps and gaps; what is found of these is counted and
+reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the
+other. No vertex is moved or added, so what neighbours share they still share. An area that
+cannot be cut (invalid, for one) passes through in one piece, with the reason in <i>status</i>.</p>
+<h3>Method</h3>
+<p>J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+GIScience 2016, section 5.2.</p>
+"""
+
+
+class PrepareAggregationAlgorithm(IsthmusAlgorithm):
+    """Split the areas of a coverage at bottlenecks."""
+
+    help_text = HELP
+    CLASS = "CLASS"
+    TAU = "TAU"
+    OBJECTIVE = "OBJECTIVE"
+    MIN_LENGTH = "MIN_LENGTH"
+    MIN_HOLE = "MIN_HOLE"
+    OUTPUT = "OUTPUT"
+    ADJACENCY = "ADJACENCY"
+    AREA_COUNT = "AREA_COUNT"
+    PIECE_COUNT = "PIECE_COUNT"
+    SKIPPED_COUNT = "SKIPPED_COUNT"
+    OVERLAP_COUNT = "OVERLAP_COUNT"
+    GAP_COUNT = "GAP_COUNT"
+
+    def name(self):
+        return "prepareaggregation"
+
+    def displayName(self):
+        return "Prepare areas for aggregation"
+
+    def group(self):
+        return "Area aggregation"
+
+    def groupId(self):
+        return "aggregation"
+
+    def tags(self):
+        return (
+            "aggregation,generalize,generalization,land cover,land use,split,bottleneck,coverage,"
+            "neighbours,adjacency,shared boundary,topology"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Splits land-cover areas at bottlenecks before they are aggregated."
+
+    def initAlgorithm(self, configuration=None):
+        add = self.add
+        number = QgsProcessingParameterNumber.Type
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.INPUT, "Areas", [QgsProcessing.SourceType.TypeVectorPolygon]
+            ),
+            "The areas of a map, which fill it without overlaps and gaps.",
+        )
+        add(
+            QgsProcessingParameterField(self.CLASS, "Class field", parentLayerParameterName=self.INPUT),
+            "The field with the class of each area. Areas without one are reported.",
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.TAU, "Largest detour (tau)", number.Double, defaultValue=4.0, minValue=1.0
+            ),
+            "How many times longer than the straight line across a neck the way along the outline may "
+            "be; at least 1. Smaller values cut more.",
+            decimals=2,
+        )
+        add(
+            QgsProcessingParameterEnum(
+                self.OBJECTIVE, "What to minimize: number or length of cuts", [BY_SIZE, BY_LENGTH],
+                defaultValue=BY_SIZE, usesStaticStrings=True,
+            ),
+            "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
+        )
+        add(
+            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
+            QgsProcessingParameterNumber(
+                self.MIN_LENGTH,
+                "Ignore cuts below (layer units; metres if degrees)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=0.0,
+                minValue=0.0,
+            ),
+            "Possible cuts that are shorter than this are left out, whatever the detour. A hole may "
+            "still be connected by a shorter cut. In the units of the layer, or in metres if its "
+            "coordinates are degrees.",
+            decimals=3,
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.MIN_HOLE,
+                "Ignore holes below (layer units²; m² if degrees)",
+                number.Double,
+                defaultValue=0.0,
+                minValue=0.0,
+                maxValue=LARGEST,
+            ),
+            "Holes with a smaller area stay holes of a piece, and no cut is attached to them. In the "
+            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            decimals=3,
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.OUTPUT, "Pieces", QgsProcessing.SourceType.TypeVectorPolygon
+            ),
+            "All fields of the areas, and area_id (the id of the area), piece (a number for each "
+            "piece), size (in square metres) and status (empty, or why an area was not cut).",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.ADJACENCY,
+                "Neighbours",
+                QgsProcessing.SourceType.TypeVector,
+                optional=True,
+                createByDefault=False,
+            ),
+            "A table of neighbouring pieces a and b, the length of their shared boundary in metres, "
+            "and virtual: 1 for a cut between two pieces of one area.",
+        )
+        self.add_numbers(
+            (
+                (self.AREA_COUNT, "Number of areas"),
+                (self.PIECE_COUNT, "Number of pieces"),
+                (self.SKIPPED_COUNT, "Number of areas not cut for a reason"),
+                (self.OVERLAP_COUNT, "Number of overlapping pairs of areas"),
+                (self.GAP_COUNT, "Number of gaps"),
+            )
+        )
+
+    def parameter_problem(self, parameters, context):
+        return (
+            self.number_problem(parameters, context, self.TAU, 1.0)
+            or self.limit_problem(parameters, context, self.MIN_LENGTH)
+            or self.limit_problem(parameters, context, self.MIN_HOLE)
+        )
+
+    def processAlgorithm(self, parameters, context, feedback):
+        source = self.source(parameters, context)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            numbers = self._prepare(parameters, context, feedback, source, sinks)
+        style_on_load(context, sinks.destinations.get(self.OUTPUT), "parts.qml")
+        return {**sinks.destinations, **numbers} if numbers else {}
+
+    def _prepare(self, parameters, context, feedback, source, sinks):
+        """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
+        import numpy as np
+
+        from ...core.aggregation.coverage import faults
+        from ...core.errors import Cancelled
+        from ...core.partition.solve import select
+
+        class_index = _class_index(self, parameters, context, source)
+        crs, steps = source.sourceCrs(), Steps(source, feedback)
+        multi = QgsWkbTypes.isMultiType(steps.wkb_type)
+        extra = wkb.dimensions(steps.wkb_type)
+        own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
+        sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
+        with_table = sinks.open(
+            self.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
+            QgsCoordinateReferenceSystem(), False,
+        )  # fmt: skip
+        tau = self.parameterAsDouble(parameters, self.TAU, context)
+        objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
+        settings = Settings(
+            measure=measure_of(crs),
+            min_length=self.parameterAsDouble(parameters, self.MIN_LENGTH, context),
+            min_hole=self.parameterAsDouble(parameters, self.MIN_HOLE, context),
+            lines=None,
+            weigh=weigh_by_length if objective == BY_LENGTH else None,
+            all_dilations=False,
+        )
+
+        def choose(tasks, check):
+            return [
+                select(task.prepared, tau, task.weight, check=check, with_dilation=False)
+                for task in tasks
+            ]
+
+        # pieces: (area, coords, offsets, status, whether it is the whole area); empty areas have none
+        kept, pieces, empty, skipped, classless = [], [], [], 0, 0
+        for feature in steps:
+            number = len(kept)
+            kept.append(feature)
+            classless += layer.text(feature.attributes()[class_index]) is None
+            geometry = layer.with_dimensions(feature.geometry(), steps.wkb_type)
+            feature.setGeometry(geometry)
+            try:
+                solved = solve(feature, settings, choose, feedback, lambda share: None)
+            except Cancelled:
+                break
+            problems = "; ".join(dict.fromkeys(one.problem for one in solved if one.problem))
+            # as it came, even with a ring that is not closed
+            curved = QgsWkbTypes.isCurvedType(geometry.wkbType())
+            whole = len(solved) == 1 and bool(problems) and not curved
+            if not solved:
+                problems = "it has no geometry" if not feature.hasGeometry() else "it is empty"
+                empty.append((number, problems))
+            if problems:
+                skipped += 1
+                feedback.pushWarning(f"Area {feature.id()} was not cut: {problems}.")
+            for one in solved:
+                for part in range(len(one.area)):
+                    rings = one.rings(part)
+                    offsets = np.cumsum([0] + [len(ring) for ring in rings])
+                    coords = one.coords[np.concatenate(rings)]
+                    pieces.append((number, coords, offsets, one.problem, whole))
+        if feedback.isCanceled():
+            return {}
+
+        feedback.setProgressText("Finding shared boundaries")
+        found = layer.arrange(
+            pieces, [(coords, offsets) for _, coords, offsets, *_ in pieces],
+            range(len(pieces)), crs,
+        )
+        for k, (number, coords, offsets, status, whole) in enumerate(pieces):
+            feature = kept[number]
+            rings = [np.arange(lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
+            if whole:
+                geometry = feature.geometry()
+                if multi:
+                    geometry.convertToMultiType()
+            else:
+                geometry = wkb.polygon_geometry(coords, rings, extra, multi)
+            values = [feature.id(), k + 1, float(found.size[k]), status]
+            sinks.add(self.OUTPUT, geometry, feature.attributes() + values, f"area {feature.id()}")
+        for number, status in empty:
+            feature = kept[number]
+            values = [feature.id(), layer.NULL, 0.0, status]
+            sinks.add(
+                self.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"
+            )
+
+        area = np.array([number for number, *_ in pieces], dtype=np.int64)
+        if with_table:
+            pairs, length = layer.neighbours(found)
+            virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
+            for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
+                sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])
+
+        wrong = faults(found.coverage)
+        overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
+        overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
+        _report(feedback, kept, overlaps, wrong.gaps, classless)
+        return {
+            self.AREA_COUNT: len(kept),
+            self.PIECE_COUNT: len(pieces) + len(empty),
+            self.SKIPPED_COUNT: skipped,
+            self.OVERLAP_COUNT: len(overlaps),
+            self.GAP_COUNT: len(wrong.gaps),
+        }
+
+
+def _class_index(tool, parameters, context, source):
+    """Index of the class field."""
+    name = tool.parameterAsString(parameters, tool.CLASS, context)
+    index = source.fields().lookupField(name)
+    if index < 0:
+        names = ", ".join(field.name() for field in source.fields())
+        raise QgsProcessingException(
+            f"The areas have no field {name!r} (CLASS). Their fields are: {names}."
+        )
+    return index
+
+
+def _report(feedback, kept, overlaps, gaps, classless, most=10):
+    """Tell what is wrong with the coverage."""
+    if len(overlaps):
+        some = ", ".join(
+            f"{kept[a].id()} and {kept[b].id()}" for a, b in overlaps[:most].tolist()
+        )
+        feedback.pushWarning(
+            f"{counted(len(overlaps), 'pair')} of areas overlap: {some}"
+            f"{' ...' * (len(overlaps) > most)}. Nothing was changed about that; sizes count the common "
+            "part twice."
+        )
+    if len(gaps):
+        some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
+        feedback.pushWarning(
+            f"{counted(len(gaps), 'gap')} inside the map without an area, at {some}"
+            f"{' ...' * (len(gaps) > most)}. Areas on both sides of a gap are no neighbours there."
+        )
+    if classless:
+        feedback.pushWarning(
+            f"Without a class: {counted(classless, 'area')}. Aggregation will leave such areas as "
+            "they are."
+        )

@@ -1,0 +1,1 @@
+"""The tool that enlarges a region of a map."""

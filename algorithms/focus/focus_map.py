@@ -1,0 +1,559 @@
+"""The tool ``isthmus:focusmap``."""
+
+import contextlib
+import time
+from pathlib import Path
+
+from qgis.core import (
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsFeatureRequest,
+    QgsFeatureSink,
+    QgsFields,
+    QgsGeometry,
+    QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingOutputMultipleLayers,
+    QgsProcessingOutputString,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterFileDestination,
+    QgsProcessingParameterMultipleLayers,
+    QgsProcessingParameterNumber,
+    QgsProcessingUtils,
+    QgsVectorFileWriter,
+    QgsVectorLayer,
+    QgsWkbTypes,
+)
+
+from ..layers import wkb
+from ..aggregation.areas import FARTHEST
+from ..base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, dependency_problem, style_on_load
+from ..layers.wkb import REAL, TEXT
+from ..layers.sinks import Sinks, make_fields
+
+RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
+EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
+
+HELP = """
+<p>Enlarges a region of a map and keeps the shape of the rest, as far as that is possible: a map in
+which one country, city or coast is larger, and all around it is still to be recognised.</p>
+<p>The map must be in a projected CRS: in degrees, shapes have no meaning. The region may be a feature
+of the map: choose the same layer, and tick <i>Selected features only</i>.</p>
+{lists}
+<h3>How it works</h3>
+<p>All lines outside the region keep their direction and shape, and their scale changes smoothly. What
+holds a country together are not its outlines alone: east and west coast must know of each other. So
+the tool adds <i>relevant edges</i>, diagonals between points that are close to each other though the
+way along the outline is long, and keeps these as well. By default it finds the smallest set of
+them by itself, the cuts of the tool <i>Partition polygons at bottlenecks</i>. All features are solved
+together: islands move with their mainland, and points that lines or polygons share stay together.
+Large maps are solved on a simplified outline of about 3,000 points, and all their detail is carried
+along.</p>
+<h3>Which relevant edges</h3>
+<p><i>MinSize</i>, the optimal set, is the best choice: few edges, and the shape is kept. <i>Greedy</i>
+(van Dijk and others 2013) needs more edges. <i>Proximity</i> (Harrie and Sarjakoski 2002) and
+<i>None</i> are there to compare with.</p>
+<h3>Guarantee</h3>
+<p>No lines cross that did not cross before, polygons stay valid, and with <i>Keep the extent</i>
+nothing leaves the frame. Where that cannot be done, the tool says why, and gives the map with the
+largest scale that it reached. The numbers tell how much the triangles of the polygons are distorted:
+the share of the area that lies upside down, and the change of angles.</p>
+<h3>Method</h3>
+<p>J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant edges: J.-H.
+Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section
+5.1.</p>
+"""
+
+
+class FocusMapAlgorithm(IsthmusAlgorithm):
+    """Enlarge a region of a map in its context."""
+
+    help_text = HELP
+    FOCUS = "FOCUS"
+    SCALE = "SCALE"
+    EDGES = "EDGES"
+    SELECTION = "SELECTION"
+    TAU = "TAU"
+    FRAME = "FRAME"
+    ALONG = "ALONG"
+    OUTPUT = "OUTPUT"
+    CARRIED = "CARRIED"
+    EDGES_USED = "EDGES_USED"
+    CARRIED_LAYERS = "CARRIED_LAYERS"
+    SCALE_REACHED = "SCALE_REACHED"
+    FLIPPED_AREA = "FLIPPED_AREA"
+    MEDIAN_DISTORTION = "MEDIAN_DISTORTION"
+    HIGH_DISTORTION = "HIGH_DISTORTION"
+    CROSSINGS = "CROSSINGS"
+    EDGE_COUNT = "EDGE_COUNT"
+    SECONDS = "SECONDS"
+    PROBLEM = "PROBLEM"
+
+    def name(self):
+        return "focusmap"
+
+    def displayName(self):
+        return "Enlarge a region in context"
+
+    def group(self):
+        return "Deformation"
+
+    def groupId(self):
+        return "deformation"
+
+    def tags(self):
+        return (
+            "focus,enlarge,magnify,zoom,inset,variable scale,fisheye,lens,cartogram,distort,"
+            "deform,context,map,generalize"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Enlarges a region of a map and keeps the shape of the rest."
+
+    def canExecute(self):
+        problem = dependency_problem() or scipy_problem()
+        return not problem, problem
+
+    def initAlgorithm(self, configuration=None):
+        add = self.add
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.INPUT,
+                "Map (polygons or lines)",
+                [QgsProcessing.SourceType.TypeVectorPolygon, QgsProcessing.SourceType.TypeVectorLine],
+            ),
+            "The polygons or lines of the map, in a projected CRS. All features are solved together.",
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.FOCUS, "Region to enlarge", [QgsProcessing.SourceType.TypeVectorPolygon]
+            ),
+            "One or more polygons around what is to become larger. A rough outline will do: what "
+            "counts are the points of the map inside.",
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.SCALE,
+                "Scale (times as large)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=2.0,
+                minValue=0.01,
+                maxValue=100.0,
+            ),
+            "How many times as large the region becomes, exactly. Below 1 it shrinks; 1 changes nothing.",
+            decimals=2,
+        )
+        add(
+            QgsProcessingParameterFeatureSource(
+                self.EDGES,
+                "Relevant edges",
+                [QgsProcessing.SourceType.TypeVectorLine],
+                optional=True,
+            ),
+            "Your own relevant edges, such as the cuts of the partition tool: lines between points of "
+            "the map. If there are none, the tool finds them by the rule below.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterEnum(
+                self.SELECTION,
+                "Rule for relevant edges, where none are given",
+                options=RULES,
+                defaultValue=RULES[0],
+                usesStaticStrings=True,
+            ),
+            "MinSize: the fewest edges so that no way along outline and edges is more than tau times "
+            "as long as the straight line, for all diagonals of a triangulation. MinLength: those of "
+            "least total length. Greedy: van Dijk and "
+            "others 2013. Proximity: Harrie and Sarjakoski 2002. None: only the lines of the map.",
+            advanced=True,
+        )
+        add(
+            QgsProcessingParameterNumber(
+                self.TAU,
+                "Largest detour (tau)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=2.0,
+                minValue=1.0,
+            ),
+            "Smaller values give more edges and a stiffer map. Not used by Proximity; where there "
+            "are islands, edges join them by the same measure.",
+            advanced=True,
+            decimals=2,
+        )
+        add(
+            QgsProcessingParameterBoolean(self.FRAME, "Keep the extent of the map (frame)", True),
+            "On: the map stays inside the extent that it has, and reaches to its sides. Off: it "
+            "grows, the region stays where it is, and the outermost points keep their scale.",
+        )
+        add(
+            QgsProcessingParameterMultipleLayers(
+                self.ALONG,
+                "Further layers to carry along",
+                QgsProcessing.SourceType.TypeVectorAnyGeometry,
+                optional=True,
+            ),
+            "Rivers, towns, labels: deformed as the map around them.",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(self.OUTPUT, "Focus map"),
+            "All features and fields of the map.",
+        )
+        add(
+            QgsProcessingParameterFileDestination(
+                self.CARRIED,
+                "Carried layers",
+                "GeoPackage (*.gpkg)",
+                optional=True,
+                createByDefault=True,
+            ),
+            "A GeoPackage with one layer for each further layer, by its name. It is written anew.",
+        )
+        add(
+            QgsProcessingParameterFeatureSink(
+                self.EDGES_USED,
+                "Relevant edges used",
+                QgsProcessing.SourceType.TypeVectorLine,
+                optional=True,
+                createByDefault=False,
+            ),
+            "The relevant edges where they are in the focus map: kind (selected, given, or join "
+            "between islands), length before, and stretch (length after over length before).",
+        )
+        self.addOutput(QgsProcessingOutputMultipleLayers(self.CARRIED_LAYERS, "Carried layers"))
+        self.add_numbers(
+            (
+                (self.SCALE_REACHED, "Scale reached in the focus"),
+                (self.FLIPPED_AREA, "Area upside down (%)"),
+                (self.MEDIAN_DISTORTION, "Median angular distortion (degrees)"),
+                (self.HIGH_DISTORTION, "Angular distortion, 95 % (degrees)"),
+                (self.CROSSINGS, "Number of new crossings"),
+                (self.EDGE_COUNT, "Number of relevant edges"),
+                (self.SECONDS, "Time (seconds)"),
+            )
+        )
+        self.addOutput(QgsProcessingOutputString(self.PROBLEM, "What is wrong (empty if nothing is)"))
+
+    def parameter_problem(self, parameters, context):
+        problem = scipy_problem()
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        if not problem and source is not None and source.sourceCrs().isGeographic():
+            problem = (
+                f"The map is in degrees ({source.sourceCrs().authid()}), and degrees have no shapes "
+                "to keep. Reproject it to a projected CRS first (tool Reproject layer), such as the "
+                "national grid or the UTM zone."
+            )
+        return (
+            problem
+            or self.number_problem(parameters, context, self.SCALE, 0.0)
+            or self.number_problem(parameters, context, self.TAU, 1.0)
+        )
+
+    def processAlgorithm(self, parameters, context, feedback):
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        focus_source = self.parameterAsSource(parameters, self.FOCUS, context)
+        for name, value in ((self.INPUT, source), (self.FOCUS, focus_source)):
+            if value is None:
+                raise QgsProcessingException(self.invalidSourceError(parameters, name))
+        if source.sourceCrs().isGeographic():  # checks may be skipped
+            raise QgsProcessingException(self.parameter_problem(parameters, context))
+        import numpy as np
+
+        from ...core.errors import Cancelled, IsthmusError
+        from ...core.focus.enlarge import enlarge
+
+        begun = time.monotonic()
+        crs = source.sourceCrs()
+        held, runs = [], []
+        for feature in source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK):
+            if feedback.isCanceled():
+                return {}
+            held.append(feature)
+            runs.append(wkb.Runs(feature.geometry()))
+        wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
+        for k in wrong:
+            runs[k] = wkb.Runs(QgsGeometry())  # as if it had none
+        if wrong:
+            ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
+            feedback.pushWarning(
+                "Left where they are, since coordinates are not finite (NaN or infinity) or larger than "
+                f"{FARTHEST:g}: feature {ids}."
+            )
+        counts = [count for one in runs for count in one.counts]
+        if not counts:
+            raise QgsProcessingException("The map has no features with a geometry that can be moved.")
+        rows = np.concatenate([one.xy for one in runs])
+        starts = np.append(0, np.cumsum(counts))
+        polygons, first = [], 0
+        for one in runs:
+            polygons += [[first + ring for ring in rings] for rings in one.polygons]
+            first += len(one.counts)
+        focus = self._focus(focus_source, crs, context)
+        given = self._given(parameters, context, crs, rows, feedback)
+        feedback.pushInfo(f"{len(held)} features, {len(rows)} points.")
+        frame = self.parameterAsBoolean(parameters, self.FRAME, context)
+        try:
+            result = enlarge(
+                rows,
+                starts,
+                polygons,
+                focus,
+                self.parameterAsDouble(parameters, self.SCALE, context),
+                edges=given,
+                rule=self.parameterAsEnumString(parameters, self.SELECTION, context),
+                tau=self.parameterAsDouble(parameters, self.TAU, context),
+                frame=frame,
+                progress=lambda share: feedback.setProgress(95.0 * share),
+                cancelled=feedback.isCanceled,
+            )
+        except Cancelled:
+            return {}
+        except IsthmusError as problem:
+            message = str(problem).rstrip(".")
+            end = "" if message.endswith("?") else "."
+            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
+        for reason in result.skipped[:20]:
+            feedback.pushWarning(f"No relevant edges for {reason}.")
+        if len(result.skipped) > 20:
+            feedback.pushWarning(f"... and for {len(result.skipped) - 20} more.")
+        if result.problem:
+            feedback.reportError(
+                f"The scale of {self.parameterAsDouble(parameters, self.SCALE, context):g} could not "
+                f"be reached: {result.problem}. This is the last good map, with the region enlarged "
+                f"{result.scale:.3f} times. A smaller scale, a larger map around the region, or "
+                "switching the frame off gives more room."
+            )
+        with Sinks(self, parameters, context, feedback) as sinks:
+            self._write(sinks, source, held, runs, result)
+            self._write_edges(sinks, crs, result)
+            answer = self._carry(
+                parameters, context, crs, result, starts, rows, focus, frame, feedback
+            )
+            feedback.setProgress(100)
+        answer.update(sinks.destinations)
+        style_on_load(context, answer.get(self.OUTPUT), None, 2)
+        style_on_load(context, answer.get(self.EDGES_USED), "cuts.qml", 0)
+        answer.update({
+            self.SCALE_REACHED: result.scale,
+            self.FLIPPED_AREA: 100.0 * result.distortion.flipped,
+            self.MEDIAN_DISTORTION: result.distortion.median,
+            self.HIGH_DISTORTION: result.distortion.high,
+            self.CROSSINGS: result.crossings,
+            self.EDGE_COUNT: len(result.edges),
+            self.SECONDS: time.monotonic() - begun,
+            self.PROBLEM: result.problem,
+        })
+        return answer
+
+    def _focus(self, source, crs, context):
+        """The region in focus, in the CRS of the map."""
+        import numpy as np
+        import shapely
+
+        found = []
+        for geometry in _geometries(source, crs, context):
+            data = bytes(_straight(geometry).asWkb())
+            # a ring of two points is no region
+            found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
+        found = [
+            one for one in found
+            if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
+        ]
+        if not found:
+            raise QgsProcessingException(
+                "The layer of the region to enlarge has no polygons whose coordinates are finite."
+            )
+        return shapely.union_all(shapely.make_valid(found))
+
+    def _given(self, parameters, context, crs, rows, feedback):
+        """The rows at the ends of relevant edges that were given, or None."""
+        source = self.parameterAsSource(parameters, self.EDGES, context)
+        if source is None:
+            return None
+        import numpy as np
+
+        from ...core.focus.graph import match
+
+        ends = [np.empty((0, 2, 2))]
+        for geometry in _geometries(source, crs, context):
+            one, start = wkb.Runs(geometry), 0
+            for count in one.counts:
+                line = one.xy[start:start + count]
+                line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
+                ends.append(np.stack((line[:-1], line[1:]), axis=1))
+                start += count
+        ends = np.concatenate(ends)
+        found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
+        good = (found >= 0).all(axis=1)
+        if not good.all():
+            feedback.pushWarning(
+                f"{np.count_nonzero(~good)} of {len(good)} relevant edges were left out: an end is "
+                "not a point of the map."
+            )
+        return found[good]
+
+    def _write(self, sinks, source, held, runs, result):
+        kind = QgsWkbTypes.linearType(source.wkbType())
+        sinks.open(self.OUTPUT, source.fields(), kind, source.sourceCrs())
+        start = 0
+        for feature, one in zip(held, runs):
+            count = sum(one.counts)
+            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
+            start += count
+            sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
+
+    def _write_edges(self, sinks, crs, result):
+        fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
+        if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
+            return
+        import numpy as np
+
+        before, after = (
+            np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
+            for xy in (result.points, result.moved)
+        )
+        for ends, kind, length, longer in zip(
+            result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
+        ):
+            line = wkb.line_geometry(result.moved, ends, 0)
+            sinks.add(self.EDGES_USED, line, [kind, length, longer])
+
+    def _carry(self, parameters, context, crs, result, starts, rows, focus, frame, feedback):
+        layers = self.parameterAsLayerList(parameters, self.ALONG, context)
+        if not layers:
+            return {self.CARRIED_LAYERS: []}
+        from ...core.focus.carrying import Carrier
+        from ...core.focus.graph import build_graph
+
+        edges = build_graph(rows, starts).edges
+        carrier = Carrier(result.points, result.moved, edges, focus, result.scale, not frame)
+        path = self.parameterAsFileOutput(parameters, self.CARRIED, context)
+        path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
+        written, names = [], []
+        try:
+            for layer in layers:
+                if feedback.isCanceled():
+                    break
+                name = layer.name() or "layer"
+                while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
+                    name += "_2"
+                names.append(name.lower())
+                whole = QgsVectorFileWriter.ActionOnExistingFile
+                action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
+                written.append(
+                    self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
+                )
+        except QgsProcessingException:
+            _discard(path)
+            raise
+        if feedback.isCanceled():
+            _discard(path)
+            return {self.CARRIED_LAYERS: []}
+        return {self.CARRIED: path, self.CARRIED_LAYERS: written}
+
+    def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
+        import numpy as np
+
+        options = QgsVectorFileWriter.SaveVectorOptions()
+        options.driverName, options.layerName = "GPKG", name
+        options.actionOnExistingFile = action
+        kind = QgsWkbTypes.linearType(layer.wkbType())
+        fields = QgsFields(layer.fields())
+        writer = QgsVectorFileWriter.create(
+            path, fields, kind, crs, context.transformContext(), options,
+            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+        )  # fmt: skip
+        if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
+            raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
+        transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
+        count, lost = 0, []
+        for feature in layer.getFeatures():
+            count += 1
+            geometry = feature.geometry()
+            if not geometry.isNull():
+                try:
+                    geometry.transform(transform)
+                    one = wkb.Runs(geometry)
+                    placed = np.isfinite(one.xy).all()
+                except QgsCsException:
+                    placed = False
+                if not placed:
+                    feature.clearGeometry()
+                    lost.append(feature.id())
+                elif one.counts:
+                    feature.setGeometry(one.moved(carrier(one.xy)))
+            if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+                raise QgsProcessingException(
+                    f"A feature of {name} could not be written: {writer.errorMessage()}"
+                )
+        del writer
+        if lost:
+            feedback.pushWarning(
+                f"{name}: features {', '.join(map(str, lost[:10]))}{' ...' * (len(lost) > 10)} have no "
+                "place in the CRS of the map, and are carried without a geometry."
+            )
+        address = f"{path}|layername={name}"
+        # what a full disk swallows, the writer may tell nobody
+        if QgsVectorLayer(address, name, "ogr").featureCount() != count:
+            raise QgsProcessingException(
+                f"{name} could not be written to {path} as a whole. Is the disk full?"
+            )
+        details = QgsProcessingContext.LayerDetails(name, context.project(), name)
+        if context.project() is not None:
+            carried = QgsVectorLayer(address, name, "ogr")
+            context.temporaryLayerStore().addMapLayer(carried)
+            context.addLayerToLoadOnCompletion(carried.id(), details)
+        return address
+
+
+def _discard(path):
+    """Remove what is half written: it would look complete."""
+    for end in ("", "-journal", "-wal", "-shm"):
+        with contextlib.suppress(OSError):
+            Path(path + end).unlink()
+
+
+def scipy_problem():
+    """Return what to do if scipy is missing, or ''."""
+    try:
+        import scipy.sparse.linalg  # noqa: F401
+        import scipy.spatial  # noqa: F401
+    except ImportError:
+        import numpy
+
+        return (
+            "This tool needs the Python package scipy. To install it, run this (on Windows in the "
+            f'OSGeo4W Shell), then restart QGIS: python3 -m pip install --user scipy '
+            f'"numpy=={numpy.__version__}" (the last word keeps QGIS\'s own numpy; on Debian and '
+            "Ubuntu: apt install python3-scipy)"
+        )
+    return ""
+
+
+def _geometries(source, crs, context):
+    """The geometries of a source in another CRS, none empty."""
+    transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
+    request = QgsFeatureRequest().setSubsetOfAttributes([])
+    for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
+        geometry = feature.geometry()
+        if geometry.isNull() or geometry.isEmpty():
+            continue
+        if transform.isValid() and not transform.isShortCircuited():
+            try:
+                geometry.transform(transform)
+            except QgsCsException:
+                raise QgsProcessingException(
+                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
+                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
+                ) from None
+        yield geometry
+
+
+def _straight(geometry):
+    abstract = geometry.constGet()
+    curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
+    return abstract.segmentize() if curved else abstract

@@ -1,0 +1,1 @@
+"""Layers to arrays and back: the only place that knows both."""

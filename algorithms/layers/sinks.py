@@ -1,0 +1,289 @@
+"""Where the tools write: fields, sinks, and results that are on disk as a whole or not at all."""
+
+import contextlib
+import os
+import struct
+import traceback
+from pathlib import Path
+
+from qgis.core import (
+    QgsDataSourceUri,
+    QgsFeature,
+    QgsFeatureSink,
+    QgsFields,
+    QgsProcessing,
+    QgsProcessingException,
+    QgsProcessingOutputLayerDefinition,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterMultipleLayers,
+    QgsProperty,
+    QgsProviderRegistry,
+)
+
+from . import wkb
+
+# formats that keep every feature, and can be read
+READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
+# what belongs to a file besides the file itself
+BESIDE = ("-journal", "-wal", "-shm")
+SIDECARS = {
+    ".shp": (".shx", ".dbf", ".prj", ".cpg", ".qpj", ".qmd", ".qix", ".sbn", ".sbx"),
+    ".tab": (".dat", ".map", ".id", ".ind"),
+    ".gml": (".xsd", ".gfs"),
+}
+
+
+def make_fields(definition):
+    """Return fields of (name, kind) pairs; kinds as in `wkb.field`."""
+    fields = QgsFields()
+    for name, kind in definition:
+        fields.append(wkb.field(name, kind))
+    return fields
+
+
+def overwriting(tool, parameters, context):
+    """Return a sentence about a result that would overwrite an input or another result, or ''.
+
+    QGIS would open it for writing, and an input be gone before it is read.
+    """
+    taken = {}
+    for definition in tool.parameterDefinitions():
+        for place in _places_read(tool, definition, parameters, context):
+            taken[place] = f"the input {definition.name()}"
+    for definition in tool.parameterDefinitions():
+        if not definition.isDestination():
+            continue
+        file, table = _place_written(parameters.get(definition.name()))
+        if file is None:
+            continue
+        for (other, layer), what in taken.items():
+            # without a table the whole file is made anew
+            if other == file and (None in (table, layer) or table == layer):
+                return (
+                    f"{definition.name()} would overwrite {what}: both are {file}. Choose another file"
+                    + (
+                        ", or another layer of it: "
+                        f"ogr:dbname='{file}' table=\"{definition.name().lower()}\"."
+                        if file.endswith(".gpkg") else "."
+                    )
+                )  # fmt: skip
+        taken[file, table] = f"the result {definition.name()}"
+    return ""
+
+
+def _places_read(tool, definition, parameters, context):
+    """File and layer of each layer that a parameter reads."""
+    value = parameters.get(definition.name())
+    if definition.type() == QgsProcessingParameterMultipleLayers.typeName():
+        layers = tool.parameterAsLayerList(parameters, definition.name(), context)
+    elif definition.type() == QgsProcessingParameterFeatureSource.typeName() and value:
+        source = getattr(value, "source", None)  # of a QgsProcessingFeatureSourceDefinition
+        source = source.staticValue() if isinstance(source, QgsProperty) else value
+        layers = [tool.parameterAsVectorLayer({definition.name(): source}, definition.name(), context)]
+    else:
+        layers = []
+    for layer in layers:
+        provider = layer and layer.dataProvider()
+        if provider and provider.name() == "ogr":
+            parts = QgsProviderRegistry.instance().decodeUri("ogr", layer.source())
+            path = parts.get("path")
+            if path and os.path.isfile(path):
+                yield os.path.realpath(path), parts.get("layerName") or Path(path).stem
+
+
+def _place_written(value):
+    """File and layer of a destination: (None, None) for none, no layer for the whole file."""
+    if isinstance(value, QgsProcessingOutputLayerDefinition):
+        if _appends(value):
+            return None, None
+        value = value.sink
+    if isinstance(value, QgsProperty):
+        value = value.staticValue()
+    if not isinstance(value, str) or value in ("", QgsProcessing.TEMPORARY_OUTPUT):
+        return None, None
+    if value.startswith("ogr:"):
+        uri = QgsDataSourceUri(value[4:])
+        return os.path.realpath(uri.database()), uri.table() or None
+    if ":" in value[2:]:  # memory: and the like; the colon of a drive is the second character
+        return None, None
+    return os.path.realpath(value), None
+
+
+class Sinks:
+    """The sinks of one run, for a ``with`` block around all that is written.
+
+    At its end what was written to files is read again, because some formats lose the end of a layer
+    on a full disk without a word. After an error, or if the user has cancelled, files that are half
+    written are removed: they would look complete.
+
+    Parameters
+    ----------
+    tool : QgsProcessingAlgorithm
+    parameters, context, feedback
+        Those of the run.
+
+    Attributes
+    ----------
+    destinations : dict
+        What the tool returns for each sink that was wanted and has come to an end.
+    """
+
+    def __init__(self, tool, parameters, context, feedback):
+        self.tool, self.parameters = tool, parameters
+        self.context, self.feedback = context, feedback
+        problem = overwriting(tool, parameters, context)
+        if problem:
+            raise QgsProcessingException(problem)
+        self.destinations, self.fields = {}, {}
+        self._sinks, self._written = {}, {}
+
+    def open(self, name, fields, wkb_type, crs, needed=True):
+        """Open a sink; return whether it is wanted.
+
+        Several results may come of one feature, so the primary key is made anew.
+        """
+        sink, destination = self.tool.parameterAsSink(
+            self.parameters, name, self.context, fields, wkb_type, crs,
+            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+        )  # fmt: skip
+        if sink is not None:
+            self._sinks[name], self.fields[name] = sink, fields
+            self.destinations[name], self._written[name] = destination, 0
+        elif needed or self.parameters.get(name):
+            raise QgsProcessingException(self.tool.invalidSinkError(self.parameters, name))
+        return sink is not None
+
+    def add(self, name, geometry, values, origin=""):
+        """Write a feature; a failure is an error, so that nothing is lost in silence.
+
+        ``origin`` says in a few words what the feature is a result of.
+        """
+        sink, feature = self._sinks[name], QgsFeature(self.fields[name])
+        if geometry is not None:
+            feature.setGeometry(geometry)
+        feature.setAttributes(values)
+        if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+            raise QgsProcessingException(
+                f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
+                f"value too long or unknown to the format?): {sink.lastError()}"
+            )
+        self._written[name] += 1
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, trace):
+        traceback.clear_frames(trace)  # where a sink was at work when it failed
+        self._sinks.clear()  # this closes them
+        if kind is None and not self.feedback.isCanceled():
+            lost = [name for name in self.destinations if not self._is_complete(name)]
+            if not lost:
+                return
+            message = self._message(lost)
+            self._discard()
+            raise QgsProcessingException(message)
+        if self._discard() and kind is None:
+            self.feedback.pushInfo("What was half written has been removed.")
+
+    def _is_complete(self, name):
+        """Whether a file has all that was written to it."""
+        path, layer = _path(self.destinations[name]), _layer_name(self.destinations[name])
+        if path is None or path.suffix.lower() not in READ_AGAIN:
+            return True
+        if path.suffix.lower() == ".shp":
+            return _is_whole_shapefile(path, self._written[name])
+        with _quiet() as gdal:
+            source = gdal.OpenEx(str(path), gdal.OF_VECTOR)
+            table = source and (source.GetLayerByName(layer) if layer else source.GetLayer(0))
+            return table is not None and table.GetFeatureCount() >= self._written[name]
+
+    def _message(self, lost):
+        paths = ", ".join(str(_path(self.destinations[name])) for name in lost)
+        return (
+            f"Not everything could be written to {paths}. Is the disk full? Some formats also drop "
+            "features without geometry; a GeoPackage keeps them."
+        )
+
+    def _discard(self):
+        """Remove the files of this run; whether there were any."""
+        found = False
+        for name, destination in list(self.destinations.items()):
+            if _path(destination) is not None and not _appends(self.parameters.get(name)):
+                _remove(destination)
+                del self.destinations[name]
+                found = True
+        return found
+
+
+def _path(destination):
+    """The file of a destination; None for one in memory or in a database."""
+    path = destination.partition("|")[0]
+    return Path(path) if os.path.isfile(path) else None
+
+
+def _is_whole_shapefile(path, count):
+    """Whether the files of a shapefile are as long as their headers say, for so many features.
+
+    GDAL would read what there is, and go without attributes that are not.
+    """
+    files = [path, path.with_suffix(".shx"), path.with_suffix(".dbf")]
+    if not all(file.is_file() for file in files):
+        return False
+    heads, sizes = [], [file.stat().st_size for file in files]
+    for file in files:
+        with open(file, "rb") as stream:
+            heads.append(stream.read(32).ljust(32, b"\0"))
+    words, index_words = (struct.unpack_from(">i", head, 24)[0] for head in heads[:2])
+    records, start, length = struct.unpack_from("<IHH", heads[2], 4)
+    return (
+        sizes[0] >= 2 * words > 0
+        and sizes[1] >= 2 * index_words >= 100 + 8 * count
+        and records >= count
+        and sizes[2] >= start + records * length > 0
+    )
+
+
+def _layer_name(destination):
+    """The layer's name in its file, or ''."""
+    return destination.partition("|layername=")[2].partition("|")[0]
+
+
+@contextlib.contextmanager
+def _quiet():
+    """GDAL, telling of failures by None and nothing else."""
+    from osgeo import gdal
+
+    raises = gdal.GetUseExceptions()
+    gdal.DontUseExceptions()
+    gdal.PushErrorHandler("CPLQuietErrorHandler")
+    try:
+        yield gdal
+    finally:
+        gdal.PopErrorHandler()
+        if raises:
+            gdal.UseExceptions()
+
+
+def _appends(parameter):
+    """Whether the features were added to a layer that was there before."""
+    return (
+        isinstance(parameter, QgsProcessingOutputLayerDefinition)
+        and getattr(parameter, "useRemapping", lambda: False)()
+    )
+
+
+def _remove(destination):
+    """Remove a layer, and its file unless that has other layers."""
+    path, layer = _path(destination), _layer_name(destination)
+    if layer:
+        with _quiet() as gdal:
+            source = gdal.OpenEx(str(path), gdal.OF_VECTOR | gdal.OF_UPDATE)
+            tables = range(source.GetLayerCount()) if source else ()
+            names = [source.GetLayer(k).GetName() for k in tables]
+            if set(names) - {layer}:
+                if layer in names:
+                    source.DeleteLayer(names.index(layer))
+                return
+    others = [path.with_suffix(end) for end in SIDECARS.get(path.suffix.lower(), ())]
+    for file in [path, *others, *(Path(f"{path}{end}") for end in BESIDE)]:
+        file.unlink(missing_ok=True)

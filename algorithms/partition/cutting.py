@@ -1,0 +1,451 @@
+"""What the tools that cut polygons share: parameters, settings, and the writing of results."""
+
+import math
+
+from qgis.core import (
+    NULL,
+    QgsExpressionContext,
+    QgsProcessing,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterExpression,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterNumber,
+    QgsProcessingParameters,
+    QgsProcessingUtils,
+    QgsPropertyDefinition,
+    QgsUnitTypes,
+    QgsWkbTypes,
+)
+
+from ...core.errors import Cancelled
+from ..layers import wkb
+from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from .candidate_lines import CandidateLines
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers.sinks import Sinks, make_fields
+from .solving import (
+    Settings,
+    expression_problem,
+    measure_of,
+    solve,
+    weigh_by_expression,
+    weigh_by_length,
+)
+
+BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
+ROLES = ("SELF", "LEAF", "ROOT")
+PART_FIELDS = (
+    ("part", INTEGER), ("parts", INTEGER), ("status", TEXT), ("cost", REAL), ("gap", REAL)
+)
+CUT_FIELDS = (
+    ("source", LONG), ("length", REAL), ("detour", REAL), ("part_a", INTEGER), ("part_b", INTEGER)
+)
+DIAGONAL_FIELDS = (
+    ("source", LONG), ("length", REAL), ("detour", REAL), ("dilation", REAL), ("role", TEXT)
+)
+
+
+class PartitionTool(IsthmusAlgorithm):
+    """Base of the tools that solve the partition problem for each feature."""
+
+    OBJECTIVE = "OBJECTIVE"
+    WEIGHT = "WEIGHT"
+    MIN_LENGTH = "MIN_LENGTH"
+    MIN_HOLE = "MIN_HOLE"
+    CANDIDATES = "CANDIDATES"
+    MAX_GAP = "MAX_GAP"
+
+    def add_input(self):
+        self.add(
+            QgsProcessingParameterFeatureSource(
+                self.INPUT, "Polygons", [QgsProcessing.SourceType.TypeVectorPolygon]
+            ),
+            "The polygons to cut.",
+        )
+
+    def add_dynamic(self, name, label, default, least, help_text):
+        """Add a number that a field or an expression can set for each feature."""
+        parameter = QgsProcessingParameterNumber(
+            name, label, QgsProcessingParameterNumber.Type.Double, default,
+            minValue=least, maxValue=LARGEST,
+        )  # fmt: skip
+        parameter.setIsDynamic(True)
+        kind = QgsPropertyDefinition.DataType.DataTypeNumeric
+        expected = f"number [≥ {least:g}]"
+        parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, kind, label, expected))
+        parameter.setDynamicLayerParameterName(self.INPUT)
+        self.add(parameter, help_text, decimals=2)
+
+    def add_objective(self):
+        self.add(
+            QgsProcessingParameterEnum(
+                self.OBJECTIVE,
+                "What to minimize: number, length or weight of cuts",
+                list(OBJECTIVES),
+                defaultValue=BY_SIZE,
+                usesStaticStrings=True,
+            ),
+            "MinSize: the number of cuts. MinLength: their total length, which gives the most "
+            "natural parts. MinWeight: the sum of the weights that you give them.",
+        )
+        self.add(
+            QgsProcessingParameterExpression(
+                self.WEIGHT,
+                "Weight of a cut (for MinWeight)",
+                parentLayerParameterName=self.INPUT,
+                optional=True,
+            ),
+            "An expression for the weight of a possible cut, such as @length / @detour. It sees the "
+            "line's geometry, @length, @detour, the fields of the polygon and, where you give lines "
+            "to choose from, the fields of the line. Zero makes a cut free.",
+            advanced=True,
+        )
+
+    def add_candidates(self):
+        self.add(
+            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
+            QgsProcessingParameterNumber(
+                self.MIN_LENGTH,
+                "Ignore cuts below (layer units; metres if degrees)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=0.0,
+                minValue=0.0,
+            ),
+            "Possible cuts that are shorter than this are left out, whatever the detour: those of "
+            "creeks and inlets you do not care for. A hole may still be connected by a shorter cut. "
+            "In the units of the layer, or in metres if its coordinates are degrees.",
+            decimals=3,
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                self.MIN_HOLE,
+                "Ignore holes below (layer units²; m² if degrees)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=0.0,
+                minValue=0.0,
+                maxValue=LARGEST,
+            ),
+            "Holes with a smaller area stay holes of a part, and no cut is attached to them. In the "
+            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            decimals=3,
+        )
+        self.add(
+            QgsProcessingParameterFeatureSource(
+                self.CANDIDATES,
+                "Lines to choose the cuts from",
+                [QgsProcessing.SourceType.TypeVectorLine],
+                optional=True,
+            ),
+            "Your own lines, instead of the diagonals of a triangulation: straight lines between two "
+            "vertices of a polygon that stay inside it. A line that is none is reported with its "
+            "id; where two cross, the shorter one is used.",
+            advanced=True,
+        )
+
+    def add_max_gap(self):
+        self.add(
+            QgsProcessingParameterNumber(
+                self.MAX_GAP,
+                "Largest gap to the proven lower bound (per cent)",
+                QgsProcessingParameterNumber.Type.Double,
+                defaultValue=0.1,
+                minValue=0.0,
+                maxValue=100.0,
+            ),
+            "For MinLength and MinWeight, which are hard to solve exactly: how much more than the "
+            "proven lower bound a solution may cost. 0 asks for a proof of optimality. MinSize is "
+            "always optimal.",
+            advanced=True,
+            decimals=3,
+        )
+
+    def objective_problem(self, parameters, context):
+        """Return a sentence about a shared parameter that cannot be used, or ''."""
+        for name in (self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
+            if self.parameterDefinition(name) is None:
+                continue
+            problem = self.limit_problem(parameters, context, name)
+            if problem:
+                return problem
+        if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
+            sources = [
+                self.parameterAsSource(parameters, name, context)
+                for name in (self.INPUT, self.CANDIDATES)
+            ]
+            text = self.parameterAsString(parameters, self.WEIGHT, context)
+            return expression_problem(text, [source.fields() for source in sources if source])
+        return ""
+
+    def dynamic_problem(self, parameters, name, context, least):
+        """Return a sentence about a number that is not data-defined, or ''."""
+        if QgsProcessingParameters.isDynamic(parameters, name):
+            return ""
+        return self.number_problem(parameters, context, name, least) or self.limit_problem(
+            parameters, context, name
+        )
+
+    def settings(self, parameters, context, source, feedback, all_dilations=False):
+        """Return how to solve."""
+        from ...core.partition.triangulation import engine_name
+
+        crs = source.sourceCrs()
+        lines_source = self.parameterAsSource(parameters, self.CANDIDATES, context)
+        lines = lines_source and CandidateLines(lines_source, crs, context)
+        if engine_name() == "shapely" and not lines:
+            feedback.pushInfo(
+                "The package triangle is not installed. Shapely's triangulation is used instead: "
+                "as good, but slower."
+            )
+        objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
+        weigh = weigh_by_length if objective == BY_LENGTH else None
+        if objective == BY_WEIGHT:
+            weigh = weigh_by_expression(
+                self.parameterAsString(parameters, self.WEIGHT, context),
+                source,
+                lines,
+                QgsExpressionContext(self.createExpressionContext(parameters, context, source)),
+            )
+        return Settings(
+            measure=measure_of(crs),
+            min_length=self.parameterAsDouble(parameters, self.MIN_LENGTH, context),
+            min_hole=self.parameterAsDouble(parameters, self.MIN_HOLE, context),
+            lines=lines,
+            weigh=weigh,
+            all_dilations=all_dilations,
+        )
+
+    def dynamic(self, parameters, name, context, source):
+        """Return the function that gives a data-defined number for a feature, NaN where none."""
+        if not QgsProcessingParameters.isDynamic(parameters, name):
+            value = self.parameterAsDouble(parameters, name, context)
+            return lambda feature: value
+        expressions = self.createExpressionContext(parameters, context, source)
+        own = parameters[name]  # a QgsProperty: no parameterAs... evaluates it per feature
+
+        def of(feature):
+            expressions.setFeature(feature)
+            value, valid = own.valueAsDouble(expressions, math.nan)
+            return value if valid else math.nan
+
+        return of
+
+
+class CuttingTool(PartitionTool):
+    """Base of the tools that cut polygons into parts."""
+
+    OUTPUT = "OUTPUT"
+    CUTS = "CUTS"
+    DIAGONALS = "DIAGONALS"
+    PART_COUNT = "PART_COUNT"
+    CUT_COUNT = "CUT_COUNT"
+    CUT_LENGTH = "CUT_LENGTH"
+    MAX_DILATION = "MAX_DILATION"
+    SKIPPED_COUNT = "SKIPPED_COUNT"
+    COST = "COST"
+    LOWER_BOUND = "LOWER_BOUND"
+
+    extra_fields = ()
+
+    def chooser(self, parameters, context, source, feedback):
+        """Return the function that chooses the cuts: ``(feature, tasks, check)`` to selections."""
+        raise NotImplementedError
+
+    def add_outputs(self):
+        more = "".join(f", {name}" for name, _ in self.extra_fields)
+        self.add(
+            QgsProcessingParameterFeatureSink(
+                self.OUTPUT, "Parts", QgsProcessing.SourceType.TypeVectorPolygon
+            ),
+            "All fields of the polygons, and part (1 for the largest of a feature), parts (their "
+            "number), status (empty, or why a polygon was not cut), and cost and gap of the "
+            f"solution of the feature (gap in per cent){more}.",
+        )
+        self.add(
+            QgsProcessingParameterFeatureSink(
+                self.CUTS, "Cuts", QgsProcessing.SourceType.TypeVectorLine, optional=True
+            ),
+            "The cuts, with the id of their polygon (source), length, detour (how many times longer "
+            "the way along the outline was; empty if only a cut connects the ends), and the parts "
+            "on both sides (part_a, part_b; equal where a cut only connects a hole).",
+        )
+        self.add(
+            QgsProcessingParameterFeatureSink(
+                self.DIAGONALS,
+                "All candidate diagonals",
+                QgsProcessing.SourceType.TypeVectorLine,
+                optional=True,
+                createByDefault=False,
+            ),
+            "Every candidate, with its detour before any cut, its dilation in the solution, and "
+            "its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.",
+        )
+        self.add_numbers(
+            (
+                (self.PART_COUNT, "Number of parts"),
+                (self.CUT_COUNT, "Number of cuts"),
+                (self.CUT_LENGTH, "Total length of the cuts"),
+                (self.MAX_DILATION, "Largest dilation of a candidate"),
+                (self.SKIPPED_COUNT, "Number of features not solved"),
+                (self.COST, "Cost of all solutions"),
+                (self.LOWER_BOUND, "Proven lower bound of the cost"),
+            )
+        )
+
+    def processAlgorithm(self, parameters, context, feedback):
+        source = self.source(parameters, context)
+        steps = Steps(source, feedback)
+        with Sinks(self, parameters, context, feedback) as sinks:
+            writer = _Writer(self, source, steps.wkb_type, sinks)
+            settings = self.settings(
+                parameters, context, source, feedback, all_dilations=writer.with_diagonals
+            )
+            choose = self.chooser(parameters, context, source, feedback)
+            for feature in steps:
+                try:
+                    solved = solve(
+                        feature,
+                        settings,
+                        lambda tasks, check, feature=feature: choose(feature, tasks, check),
+                        feedback,
+                        steps.progress,
+                    )
+                except Cancelled:
+                    break
+                for problem in writer.write(feature, solved):
+                    feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
+            if settings.lines:
+                settings.lines.report(feedback)
+        writer.report(feedback)
+        destinations = sinks.destinations  # layers that are loaded get their styles
+        style_on_load(context, destinations.get(self.CUTS), "cuts.qml", 0)
+        style_on_load(context, destinations.get(self.DIAGONALS), None, 1)
+        style_on_load(context, destinations.get(self.OUTPUT), "parts.qml", 3)
+        return {**destinations, **writer.numbers}
+
+    def extra_values(self, solved):
+        """Return the values of `extra_fields` for a solved feature."""
+        return []
+
+
+class _Writer:
+    """Writes what was solved, and counts it."""
+
+    def __init__(self, tool, source, wkb_type, sinks):
+        self.tool, self.sinks = tool, sinks
+        fields, crs = source.fields(), source.sourceCrs()
+        self.multi = QgsWkbTypes.isMultiType(wkb_type)
+        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
+        line_type = wkb.line_type(wkb_type)
+        part_fields = QgsProcessingUtils.combineFields(
+            fields, make_fields(PART_FIELDS + tool.extra_fields)
+        )
+        sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
+        self.with_cuts = sinks.open(tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False)
+        self.with_diagonals = sinks.open(
+            tool.DIAGONALS, make_fields(DIAGONAL_FIELDS), line_type, crs, False
+        )
+        self.numbers = {
+            tool.PART_COUNT: 0,
+            tool.CUT_COUNT: 0,
+            tool.CUT_LENGTH: 0.0,
+            tool.MAX_DILATION: 1.0,
+            tool.SKIPPED_COUNT: 0,
+            tool.COST: 0.0,
+            tool.LOWER_BOUND: 0.0,
+        }
+
+    def write(self, feature, solved):
+        """Write a solved feature; return what could not be solved of it."""
+        problems = [polygon.problem for polygon in solved if polygon.problem]
+        if not solved:
+            problems = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+        self.numbers[self.tool.SKIPPED_COUNT] += bool(problems)
+        if len(problems) >= len(solved):  # nothing solved: the feature as it is
+            reason = "; ".join(dict.fromkeys(problems))
+            nothing = [NULL] * (2 + len(self.tool.extra_fields))
+            self._add_part(feature, feature.geometry(), [1, 1, reason, *nothing])
+            return problems
+
+        solutions = [polygon.partition for polygon in solved if polygon.partition is not None]
+        cost = sum(solution.cost for solution in solutions)
+        bound = sum(solution.lower_bound for solution in solutions)
+        self.numbers[self.tool.COST] += cost
+        self.numbers[self.tool.LOWER_BOUND] += bound
+        gap = 100.0 * (cost - bound) / cost if cost > 0.0 else 0.0
+        values = [cost, gap, *self.tool.extra_values(solved)]
+        extra = wkb.dimensions(feature.geometry().wkbType())
+        order = sorted(
+            ((-area, k, part) for k, polygon in enumerate(solved)
+             for part, area in enumerate(polygon.area))
+        )
+        number = {(k, part): rank for rank, (_, k, part) in enumerate(order, 1)}
+        for rank, (_, k, part) in enumerate(order, 1):
+            polygon = solved[k]
+            geometry = wkb.polygon_geometry(
+                polygon.coords, polygon.rings(part), extra, self.multi
+            )
+            self._add_part(feature, geometry, [rank, len(order), polygon.problem, *values])
+        for k, polygon in enumerate(solved):
+            if polygon.partition is not None:
+                self._write_lines(feature, polygon, extra, lambda part, k=k: number[k, part])
+        return problems
+
+    def _add_part(self, feature, geometry, values):
+        origin = f"feature {feature.id()}"
+        self.sinks.add(self.tool.OUTPUT, geometry, feature.attributes() + values, origin)
+        self.numbers[self.tool.PART_COUNT] += 1
+
+    def _write_lines(self, feature, polygon, extra, number):
+        solution, source = polygon.partition, feature.id()
+        origin = f"feature {source}"
+        selected = solution.role == 0
+        self.numbers[self.tool.CUT_COUNT] += int(selected.sum())
+        self.numbers[self.tool.CUT_LENGTH] += float(solution.length[selected].sum())
+        self.numbers[self.tool.MAX_DILATION] = max(
+            self.numbers[self.tool.MAX_DILATION], solution.largest_dilation
+        )
+        if self.with_cuts:
+            for rows, length, detour, (a, b) in zip(
+                solution.edge_rows[selected],
+                solution.length[selected].tolist(),
+                solution.detour[selected].tolist(),
+                solution.parts.sides.tolist(),
+            ):
+                line = wkb.line_geometry(polygon.coords, rows, extra)
+                values = [source, length, _or_null(detour), *sorted((number(a), number(b)))]
+                self.sinks.add(self.tool.CUTS, line, values, origin)
+        if self.with_diagonals:
+            for rows, length, detour, dilation, role in zip(
+                solution.edge_rows,
+                solution.length.tolist(),
+                solution.detour.tolist(),
+                solution.dilation.tolist(),
+                solution.role.tolist(),
+            ):
+                line = wkb.line_geometry(polygon.coords, rows, extra)
+                values = [source, length, _or_null(detour), dilation, ROLES[role]]
+                self.sinks.add(self.tool.DIAGONALS, line, values, origin)
+
+    def report(self, feedback):
+        """Say in the log what was done."""
+        if feedback.isCanceled():
+            feedback.pushWarning("Cancelled: the results are not complete.")
+            return
+        tool, numbers = self.tool, self.numbers
+        length, skipped = numbers[tool.CUT_LENGTH], numbers[tool.SKIPPED_COUNT]
+        text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
+        feedback.pushInfo(
+            f"{counted(numbers[tool.PART_COUNT], 'part')}, made by "
+            f"{counted(numbers[tool.CUT_COUNT], 'cut')} of "
+            f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
+            f"{numbers[tool.MAX_DILATION]:.4g}."
+        )
+        if skipped:
+            feedback.pushInfo(
+                f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
+            )
+
+
+def _or_null(value):
+    return value if math.isfinite(value) else NULL

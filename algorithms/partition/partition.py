@@ -1,0 +1,109 @@
+"""The tool ``isthmus:partition``."""
+
+from ...core.errors import Unsolvable
+from .cutting import CuttingTool
+
+# Seconds that a polygon may take to close the gap of MinLength and MinWeight
+TIME_LIMIT = 540.0
+
+HELP = """
+<p>Cuts polygons at their isthmuses, straits and necks into natural parts: a peninsula from its
+continent, a bay from its sea.</p>
+<p>You set one number, the <i>largest detour</i> (tau). Two points on opposite sides of a neck are
+close to each other, but the way along the outline is long: many times longer than the straight
+line. The tool finds the smallest number of cuts that leaves no place with a detour above tau.
+Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.</p>
+<h3>Choosing tau</h3>
+<p>4 is a good start; smaller values cut more. Necks that people have named mostly have a detour
+between 5 and 30, and the more detailed an outline, the larger its detours. <i>Detour trade-off
+curve</i> shows what each value costs.</p>
+<p>If creeks and inlets are cut off that you do not care for, raise <i>Ignore cuts below</i>. If
+lakes or islands attract cuts, raise <i>Ignore holes below</i>.</p>
+{lists}
+<h3>Units</h3>
+<p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
+metres and square metres on the ellipsoid. The results stay in the CRS of the layer.</p>
+<h3>Guarantee</h3>
+<p>Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection,
+if its coordinates are degrees), and the cuts are chosen from them. In the result the way along the
+outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no
+solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a proven lower bound of the
+cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for a
+polygon. Holes are first joined by shortest cuts; what follows is a good solution, not always
+the best, and the lower bound is that of the polygon opened along these cuts.</p>
+<p>Multipart features are split part by part. What cannot be split (invalid geometry, for one)
+passes through unchanged, with the reason in the field <i>status</i>.</p>
+<h3>Method</h3>
+<p>J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+GIScience 2016.</p>
+"""
+
+
+class PartitionAlgorithm(CuttingTool):
+    """Partition polygons so that every candidate is within tau."""
+
+    help_text = HELP
+    TAU = "TAU"
+
+    def name(self):
+        return "partition"
+
+    def displayName(self):
+        return "Partition polygons at bottlenecks"
+
+    def tags(self):
+        return (
+            "partition,split,cut,divide,bottleneck,isthmus,strait,neck,narrow,peninsula,bay,lake,"
+            "dilation,detour,natural,part,subregion,generalize,tau"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Cuts polygons at isthmuses, straits and necks into natural parts."
+
+    def initAlgorithm(self, configuration=None):
+        self.add_input()
+        self.add_dynamic(
+            self.TAU,
+            "Largest detour (tau)",
+            4.0,
+            1.0,
+            "How many times longer than the straight line across a neck the way along the outline may "
+            "be; at least 1. Smaller values cut more. A field or expression can set it for each "
+            "feature.",
+        )
+        self.add_objective()
+        self.add_candidates()
+        self.add_max_gap()
+        self.add_outputs()
+
+    def parameter_problem(self, parameters, context):
+        return self.dynamic_problem(
+            parameters, self.TAU, context, 1.0
+        ) or self.objective_problem(parameters, context)
+
+    def chooser(self, parameters, context, source, feedback):
+        from ...core.partition.solve import select
+
+        tau_of = self.dynamic(parameters, self.TAU, context, source)
+        max_gap = self.parameterAsDouble(parameters, self.MAX_GAP, context) / 100.0
+
+        def choose(feature, tasks, check):
+            tau = tau_of(feature)
+            if not 1.0 <= tau < float("inf"):
+                raise Unsolvable(f"tau must be a number of at least 1, and is {tau:g}")
+            selections = [
+                select(task.prepared, tau, task.weight, max_gap, TIME_LIMIT, check, False)
+                for task in tasks
+            ]
+            cost = sum(selection.cost for selection in selections)
+            gap = cost - sum(selection.lower_bound for selection in selections)
+            # the search ends at exactly the gap allowed, give or take a rounding error
+            if gap > (max_gap + 1e-9) * cost:
+                feedback.pushWarning(
+                    f"Feature {feature.id()}: the search ended at a gap of "
+                    f"{100.0 * gap / cost:.3g} per cent between the cost and its proven lower "
+                    "bound, its limit of time or memory being reached."
+                )
+            return selections
+
+        return choose

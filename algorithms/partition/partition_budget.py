@@ -1,0 +1,107 @@
+"""The tool ``isthmus:partitionbudget``."""
+
+import math
+
+from ...core.errors import Unsolvable
+from .cutting import CuttingTool
+from ..layers.wkb import REAL
+
+# Seconds that each trial may take to prove MinLength and MinWeight for a polygon
+TIME_LIMIT = 60.0
+
+HELP = """
+<p>Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much
+length or weight of cuts, for each feature. Instead of guessing tau, say "ten cuts".</p>
+<p>The tool finds the smallest detour that is achievable within the budget, and writes it to the
+field <i>tau</i> of the parts. It is an achieved value: with any smaller one the budget would be
+exceeded. What a detour is, the tool <i>Partition polygons at bottlenecks</i> explains.</p>
+{lists}
+<h3>Units</h3>
+<p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
+metres and square metres on the ellipsoid.</p>
+<h3>Guarantee</h3>
+<p>For polygons without holes the answer is exact for <i>MinSize</i>. For <i>MinLength</i> and
+<i>MinWeight</i> it is so where each trial could be proven; where not, the tool says so. With holes it
+is the best that the tool finds. Holes must be connected by cuts, which count. A feature whose holes
+alone need more than the budget passes through unchanged; its status tells the least budget
+possible.</p>
+<h3>Method</h3>
+<p>The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
+GIScience 2016, section 2.</p>
+"""
+
+
+class PartitionBudgetAlgorithm(CuttingTool):
+    """Partition polygons with the smallest dilation that a budget allows."""
+
+    help_text = HELP
+    BUDGET = "BUDGET"
+    extra_fields = (("tau", REAL),)
+
+    def name(self):
+        return "partitionbudget"
+
+    def displayName(self):
+        return "Partition polygons within a budget"
+
+    def tags(self):
+        return (
+            "partition,split,cut,divide,bottleneck,isthmus,strait,neck,budget,number,count,limit,"
+            "dual,dilation,detour,natural,part,subregion"
+        ).split(",")
+
+    def shortDescription(self):
+        return "Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts."
+
+    def initAlgorithm(self, configuration=None):
+        self.add_input()
+        self.add_dynamic(
+            self.BUDGET,
+            "Budget of a feature (cuts, length or weight)",
+            10.0,
+            0.0,
+            "The largest number of cuts (MinSize), total length (MinLength) or total weight "
+            "(MinWeight) for each feature; length in the units of the layer, or in metres if its "
+            "coordinates are degrees. A field or expression can set it for each feature.",
+        )
+        self.add_objective()
+        self.add_candidates()
+        self.add_outputs()
+
+    def parameter_problem(self, parameters, context):
+        return self.dynamic_problem(
+            parameters, self.BUDGET, context, 0.0
+        ) or self.objective_problem(parameters, context)
+
+    def chooser(self, parameters, context, source, feedback):
+        from ...core.partition.tradeoff import OverBudget, joint_solver, smallest_dilation
+
+        budget_of = self.dynamic(parameters, self.BUDGET, context, source)
+
+        def choose(feature, tasks, check):
+            budget = budget_of(feature)
+            if not 0.0 <= budget < math.inf:
+                raise Unsolvable(f"the budget must be a number of at least 0, and is {budget:g}")
+            solve = joint_solver(
+                [task.prepared for task in tasks],
+                [task.weight for task in tasks],
+                time_limit=TIME_LIMIT,
+                check=check,
+            )
+            answer, proven = smallest_dilation(solve, budget)
+            if isinstance(answer, OverBudget):
+                raise Unsolvable(
+                    f"the budget of {budget:g} cannot be met: the least possible cost is "
+                    f"{answer.least:.12g}, for the cuts that connect holes"
+                )
+            if not proven:
+                feedback.pushWarning(
+                    f"Feature {feature.id()}: a smaller detour than {answer.dilation:.6g} may be "
+                    "possible within the budget, which could be neither shown nor ruled out."
+                )
+            return answer.selections
+
+        return choose
+
+    def extra_values(self, solved):
+        return [max(p.partition.largest_dilation for p in solved if p.partition is not None)]

@@ -1,0 +1,5 @@
+"""Partitioning polygons via graph augmentation: the solver, stage by stage."""
+
+from .solve import Partition, partition
+
+__all__ = ["Partition", "partition"]

@@ -1,0 +1,210 @@
+"""Which edges may be selected: a triangulation's diagonals or a user's own lines.
+
+Section 4.2 of the paper: any set of diagonals that do not cross serves as candidate set C.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from .polygon import signed_areas, without_rings
+from ..predicates import crossing
+from .triangulation import diagonals
+
+__all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "counted", "from_lines",
+           "from_triangulation"]
+
+# What became of a line; PROBLEMS says it in words. The higher, the closer it was to a diagonal.
+ACCEPTED, OFF_VERTICES, LEAVES, TOUCHES, REPEATED, CROSSES = range(6)
+
+# Line ends are matched with vertices within this share of the largest coordinate.
+TOLERANCE = 1e-9
+
+
+class Lines(NamedTuple):
+    """Lines matched with a polygon.
+
+    Attributes
+    ----------
+    edges : (k, 2) int
+        Vertex indices u < v of the diagonals, u ascending, then v descending.
+    edge_line : (k,) int
+        The line of each.
+    verdict : (l,) int
+        For each line ACCEPTED, OFF_VERTICES (an end is no vertex), LEAVES (the polygon), TOUCHES
+        (the boundary between its ends), REPEATED (another line) or CROSSES (another line).
+    other : (l,) int
+        The line that it repeats or crosses, else -1.
+    """
+
+    edges: np.ndarray
+    edge_line: np.ndarray
+    verdict: np.ndarray
+    other: np.ndarray
+
+
+def from_lines(polygon, lines):
+    """Find out which lines are diagonals of a polygon that do not cross.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    lines : (l, 2, 2) float
+        The ends of straight lines.
+
+    Returns
+    -------
+    Lines
+        Where two lines cross, the shorter one is accepted.
+
+    Notes
+    -----
+    O((n + l) log n), but for one test of each line against the polygon.
+    """
+    with np.errstate(over="ignore"):  # a line far off a tiny polygon
+        lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
+    verdict = np.full(len(lines), OFF_VERTICES)
+    other = np.full(len(lines), -1)
+    ends = _nearest_vertices(polygon.xy, lines)
+    found = np.flatnonzero((ends >= 0).all(axis=1) & (ends[:, 0] != ends[:, 1]))
+    if len(found) == 0:
+        return Lines(np.empty((0, 2), dtype=np.int64), found, verdict, other)
+    segments = shapely.linestrings(polygon.xy[ends[found]])
+    verdict[found] = _against_polygon(polygon, segments)
+    borders = np.stack((polygon.vertex, polygon.vertex[polygon.next_corner]), axis=1)
+    leaving, _ = _crossings(polygon.xy[ends[found]], polygon.xy[borders])
+    verdict[found[leaving]] = LEAVES
+
+    # shortest first; ties by place, so that the order of the lines does not matter
+    good = found[verdict[found] == ACCEPTED]
+    xy = np.sort(_complex(polygon.xy)[ends[good]], axis=1)
+    length = np.abs(xy[:, 1] - xy[:, 0])
+    good = good[np.lexsort((good, xy[:, 1], xy[:, 0], length))]
+    key = np.sort(ends[good], axis=1)
+    _, first, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    original = good[first][inverse.ravel()]
+    verdict[good[original != good]] = REPEATED
+    other[good[original != good]] = original[original != good]
+    good = good[original == good]
+
+    crossed = {}
+    for p, q in zip(*_crossings(polygon.xy[ends[good]], polygon.xy[ends[good]])):
+        if q < p:
+            crossed.setdefault(p, []).append(q)
+    for p in sorted(crossed):
+        for q in sorted(crossed[p]):
+            if verdict[good[q]] == ACCEPTED:
+                verdict[good[p]], other[good[p]] = CROSSES, good[q]
+                break
+    good = good[verdict[good] == ACCEPTED]
+    u, v = np.sort(ends[good], axis=1).T
+    order = np.lexsort((-v, u))
+    return Lines(np.column_stack((u, v))[order], good[order], verdict, other)
+
+
+def from_triangulation(polygon, component, wanted, conformal=None, engine=None):
+    """Find the diagonals of a triangulation that do not touch the boundary components left out.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    component : (r,) int
+        Component of each ring.
+    wanted : set of int
+        The components that count. The triangulation is that of the polygon without the others, so
+        that a neck with an islet in it can still be cut beside the islet.
+    conformal, engine
+        See `triangulation.diagonals`.
+
+    Returns
+    -------
+    (k, 2) int
+        Vertex indices u < v, u ascending, then v descending.
+    """
+    free = ~np.isin(component, list(wanted))
+    if not free.any():
+        return diagonals(polygon, conformal, engine)
+    rest, vertex = without_rings(polygon, free)
+    edges = vertex[diagonals(rest, conformal, engine)]
+    rings = shapely.linearrings(polygon.xy[polygon.vertex], indices=polygon.ring_of_corner)
+    holes = shapely.STRtree(shapely.polygons(rings[free]))
+    hit, _ = holes.query(shapely.linestrings(polygon.xy[edges]), predicate="intersects")
+    return np.delete(edges, hit, axis=0)
+
+
+def counted(polygon, component, equal_area, min_hole):
+    """Find the boundary components that count, and the vertices where cuts may end.
+
+    Parameters
+    ----------
+    polygon : Polygon
+    component : (r,) int
+        Component of each ring.
+    equal_area : callable
+        See `metric.Metric`.
+    min_hole : float
+        Holes with a smaller area do not count, unless they touch a ring that does.
+
+    Returns
+    -------
+    wanted : set of int
+        The components that count.
+    attachable : (n,) bool
+        Vertices on a ring that counts by itself.
+    """
+    attachable = np.ones(len(polygon.xy), dtype=bool)
+    if len(component) == 1 or min_hole <= 0.0:
+        return set(component.tolist()), attachable
+    area = np.abs(signed_areas(equal_area(polygon.xy)[polygon.vertex], polygon.offsets))
+    with np.errstate(over="ignore"):
+        counts = area * polygon.unit * polygon.unit >= min_hole
+    counts[0] = True
+    # a corner inserted where a small hole touches an edge is a vertex of that hole alone
+    own = counts[polygon.ring_of_corner] & ~polygon.inserted
+    attachable[:] = False
+    attachable[polygon.vertex[own]] = True
+    return set(component[counts].tolist()), attachable
+
+
+def _nearest_vertices(xy, lines):
+    """(l, 2): the vertex at each end, or -1."""
+    lines = lines.reshape(-1, 2)
+    points = shapely.points(np.where(np.isfinite(lines), lines, np.inf))  # GEOS fails on NaN
+    place, vertex = shapely.STRtree(shapely.points(xy)).query_nearest(
+        points, max_distance=TOLERANCE * max(np.abs(xy).max(), 1e-300), all_matches=False
+    )
+    ends = np.full(len(points), -1)
+    ends[place] = vertex
+    return ends.reshape(-1, 2)
+
+
+def _against_polygon(polygon, segments):
+    """Whether the interior of each segment lies in the interior of the polygon."""
+    rings = shapely.linearrings(polygon.xy[polygon.vertex], indices=polygon.ring_of_corner)
+    shape = shapely.polygons(rings[0], rings[1:])
+    shapely.prepare(shape)
+    inside = shapely.covers(shape, segments)
+    verdict = np.where(inside, TOUCHES, LEAVES)
+    # DE-9IM, polygon against line: the line's interior meets neither boundary nor exterior
+    inside[inside] = shapely.relate_pattern(shape, segments[inside], "1**F**F**")
+    verdict[inside] = ACCEPTED
+    return verdict
+
+
+def _crossings(one, other):
+    """Pairs of segments that cross: lists of places in the one and in the other array."""
+    boxes = (
+        shapely.box(*segments.min(axis=1).T, *segments.max(axis=1).T) for segments in (other, one)
+    )
+    tree, boxes = shapely.STRtree(next(boxes)), next(boxes)
+    a, b = tree.query(boxes)
+    cross = crossing(one[a], other[b])
+    return a[cross].tolist(), b[cross].tolist()
+
+
+def _complex(xy):
+    """Points as complex numbers, which numpy sorts by x, then y."""
+    return np.ascontiguousarray(xy).view(np.complex128).ravel()

@@ -1,0 +1,258 @@
+"""Fourth stage: which diagonals to select (section 4 of the paper).
+
+MinSize needs one small state per edge instead of the paper's three tables:
+
+* A LEAF or ROOT assignment helps only if it is one edge smaller than the SELF assignment (Lemma 2).
+* Where such a LEAF assignment exists, no ROOT assignment of that size is needed: LEAF offers a path
+  as well, and its front-allowance is infinite.
+
+So a node is in state LEAF with a front-length L, or in state ROOT with a front-allowance R. With
+l(e) the length of e, and over the children x of e
+
+    b(x) = L(x) if x is in state LEAF, else l(x)     what x offers as a path
+    F    = sum of b(x)
+    a    = max of R(x) + b(x) over the x in state ROOT, minus F
+
+the node e can serve one ROOT child if a >= l(e); then it is in state ROOT with R = min(tau l(e), a).
+Otherwise it is in state LEAF with L = F if F <= tau l(e), else in state ROOT with R = tau l(e). Only
+assignments of exactly the least size matter, so every child that can save an edge must save it, and
+nothing is left to choose: any number of children costs O(1) each, and no sorting is needed where
+section 4.2 of the paper sorts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .dual_tree import DualTree
+from ..progress import ignore
+
+__all__ = ["LEAF", "ROOT", "SELF", "Network", "min_size", "network", "witness_lengths"]
+
+SELF, LEAF, ROOT = 0, 1, 2
+
+SLACK = 1e-12  # relative; ties path = tau * length are common on lattices
+
+# Below this mean number of nodes in a level, a scalar loop over all nodes beats vector calls on each
+# level: 1.3 microseconds a node against 25 a level (corridors, spirals).
+NARROW = 20
+
+
+class Network(NamedTuple):
+    """A dual tree with lengths.
+
+    Attributes
+    ----------
+    tree : DualTree
+    length : (k + 1,) float
+        l(e) of each node, the root edge first.
+    base : (k + 1,) float
+        Summed length of the polygon edges on the face just below each node.
+    """
+
+    tree: DualTree
+    length: np.ndarray
+    base: np.ndarray
+
+    @property
+    def narrow(self):
+        """Whether the tree is so deep that scalar loops are faster."""
+        return len(self.length) < NARROW * len(self.tree.level_start)
+
+
+def network(tree, root_length, edge_length, diagonal_length):
+    """Join a dual tree with the lengths of its edges.
+
+    Parameters
+    ----------
+    tree : DualTree
+    root_length : float
+        Length of the walk's edge from its last place back to the first.
+    edge_length : (m - 1,) float
+        Lengths of the walk's other edges.
+    diagonal_length : (k,) float
+        Lengths of the diagonals, in the order in which the tree was given them.
+    """
+    length = np.append(root_length, diagonal_length[tree.diagonal])
+    base = np.bincount(tree.edge_face, weights=edge_length, minlength=len(length))
+    return Network(tree, length, base)
+
+
+def min_size(net, tau, check=None):
+    """Solve MinSize: the fewest diagonals so that all are within tau (Theorem 1 of the paper).
+
+    Parameters
+    ----------
+    net : Network
+    tau : float
+        Largest dilation allowed, at least 1.
+    check : callable, optional
+        Called now and then with the share done; may raise `Cancelled`.
+
+    Returns
+    -------
+    (k + 1,) int8
+        The role assignment alpha: SELF, LEAF or ROOT for each node. The root edge has SELF; the
+        other SELF nodes are the solution S.
+
+    Notes
+    -----
+    O(n) for n edges. The size does not depend on the root edge.
+    """
+    solve = _states_by_node if net.narrow else _states_by_level
+    leaf, value, serves = solve(net, tau, check or ignore)
+    role = np.where(leaf, LEAF, SELF).astype(np.int8)
+    role[0] = SELF
+    role[_served(net, leaf, value, serves)] = ROOT
+    return role
+
+
+def witness_lengths(net, cut, check=None):
+    """Lengths of the shortest paths on the two sides of each edge, in P and a set of cuts.
+
+    Exact for a polygon without holes, where a shortest path between the ends of a diagonal stays
+    on one side of it. For a carved polygon both are upper bounds.
+
+    Parameters
+    ----------
+    net : Network
+    cut : (k + 1,) bool
+        The selected nodes; true for the root edge.
+    check : callable, optional
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    below, above : (k + 1,) float
+        Through the component T^LEAF and through T^ROOT of each node.
+
+    Notes
+    -----
+    O(n).
+    """
+    sides = _sides_by_node if net.narrow else _sides_by_level
+    return sides(net, cut, check or ignore)
+
+
+def _levels(tree):
+    """Slices of the nodes of each level, the root's first."""
+    bounds = tree.level_start.tolist()
+    return [slice(lo, hi) for lo, hi in zip(bounds[:-1], bounds[1:])]
+
+
+def _states_by_level(net, tau, check):
+    """State of each node, the deepest level first."""
+    length, parent = net.length, net.tree.parent
+    allowed = tau * length
+    levels = _levels(net.tree)
+    total = net.base.copy()  # F
+    best = np.full(len(length), -np.inf)  # max of R(x) + b(x)
+    leaf = np.empty(len(length), dtype=bool)
+    value = np.empty(len(length))  # L or R
+    serves = np.empty(len(length), dtype=bool)
+    for d in range(len(levels) - 1, -1, -1):
+        if d % 64 == 0:
+            check(1.0 - d / len(levels))
+        e = levels[d]
+        spare = best[e] - total[e]
+        serves[e] = spare >= length[e] * (1.0 - SLACK)
+        leaf[e] = ~serves[e] & (total[e] <= allowed[e] * (1.0 + SLACK))
+        value[e] = np.where(
+            leaf[e], total[e], np.where(serves[e], np.minimum(allowed[e], spare), allowed[e])
+        )
+        if d:
+            up = levels[d - 1]
+            relative = parent[e] - up.start
+            offer = np.where(leaf[e], value[e], length[e])
+            total[up] += np.bincount(relative, weights=offer, minlength=up.stop - up.start)
+            first = np.flatnonzero(np.diff(relative, prepend=-1))
+            demand = np.where(leaf[e], -np.inf, value[e] + offer)
+            best[up][relative[first]] = np.maximum.reduceat(demand, first)
+    return leaf, value, serves
+
+
+def _states_by_node(net, tau, check):
+    """The same, one node at a time."""
+    parent, length = net.tree.parent.tolist(), net.length.tolist()
+    total = net.base.tolist()
+    n = len(length)
+    best = [-np.inf] * n
+    leaf, value, serves = [False] * n, [0.0] * n, [False] * n
+    shrink, grow = 1.0 - SLACK, 1.0 + SLACK
+    for e in range(n - 1, -1, -1):
+        if e % 65536 == 0:
+            check(1.0 - e / n)
+        own, up = length[e], parent[e]
+        allowed, path = tau * own, total[e]
+        spare = best[e] - path
+        if spare >= own * shrink:
+            serves[e] = True
+            allowed = min(allowed, spare)
+        elif path <= allowed * grow:
+            leaf[e] = True
+            value[e] = path
+            total[up] += path
+            continue
+        value[e] = allowed
+        total[up] += own
+        if allowed + own > best[up]:
+            best[up] = allowed + own
+    return np.array(leaf), np.array(value), np.array(serves)
+
+
+def _served(net, leaf, value, serves):
+    """The child in state ROOT that each serving node serves: the first with the most to spare."""
+    parent = net.tree.parent
+    asking = np.flatnonzero(~leaf[1:] & serves[parent[1:]]) + 1
+    demand = value[asking] + net.length[asking]
+    order = np.lexsort((asking, -demand, parent[asking]))
+    first = np.diff(parent[asking][order], prepend=-1) != 0
+    return asking[order[first]]
+
+
+def _sides_by_level(net, cut, check):
+    """Lengths of the paths on the leaf side and on the root side of each node."""
+    length, parent = net.length, net.tree.parent
+    levels = _levels(net.tree)
+    below = net.base.copy()
+    for d in range(len(levels) - 1, 0, -1):
+        if d % 64 == 0:
+            check()
+        e, up = levels[d], levels[d - 1]
+        offer = np.where(cut[e], length[e], below[e])
+        below[up] += np.bincount(
+            parent[e] - up.start, weights=offer, minlength=up.stop - up.start
+        )
+    offer = np.where(cut, length, below)
+    above = np.full(len(length), np.inf)
+    for d in range(1, len(levels)):
+        if d % 64 == 0:
+            check()
+        e = levels[d]
+        up = parent[e]
+        above[e] = below[up] - offer[e] + np.where(cut[up], length[up], above[up])
+    return below, above
+
+
+def _sides_by_node(net, cut, check):
+    """The same, one node at a time."""
+    parent, length, cut = net.tree.parent.tolist(), net.length.tolist(), cut.tolist()
+    below = net.base.tolist()
+    n = len(length)
+    above = [np.inf] * n
+    for e in range(n - 1, 0, -1):
+        if e % 65536 == 0:
+            check()
+        below[parent[e]] += length[e] if cut[e] else below[e]
+    for e in range(1, n):
+        if e % 65536 == 0:
+            check()
+        up = parent[e]
+        above[e] = (
+            below[up]
+            - (length[e] if cut[e] else below[e])
+            + (length[up] if cut[up] else above[up])
+        )
+    return np.array(below), np.array(above)

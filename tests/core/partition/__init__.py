@@ -1,0 +1,1 @@
+"""Tests of the solver; they run where QGIS is not installed."""

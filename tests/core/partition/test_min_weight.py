@@ -1,0 +1,201 @@
+"""MinLength and MinWeight: all subsets, the paper's reduction, bounds, Western Europe."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from isthmus.core.partition import min_weight as objective_weighted
+from isthmus.core.partition.dual_tree import build_tree
+from isthmus.core.partition.min_size import SELF, min_size, network, witness_lengths
+from isthmus.core.partition.min_weight import min_weight
+from isthmus.core.partition.solve import prepare, select
+
+from .. import brute_force
+
+from .. import shapes
+
+TAUS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
+OUTLINE = Path(__file__).resolve().parents[2] / "data" / "western_europe.csv"
+
+
+@pytest.fixture(params=["as it is", "trimmed and dense", "trimmed and ragged"])
+def settings(request, monkeypatch):
+    """Small fronts never get trimmed by themselves: force it, and each of the two products."""
+    if request.param != "as it is":
+        monkeypatch.setattr(objective_weighted, "FIRST_POINTS", 3)
+        monkeypatch.setattr(objective_weighted, "TABLE", 4)
+        monkeypatch.setattr(objective_weighted, "ROWS", 2)
+        dense = request.param == "trimmed and dense"
+        monkeypatch.setattr(objective_weighted, "DENSE", 0 if dense else 10**9)
+
+
+def weights_of(kind, prepared, seed):
+    rng = np.random.default_rng([7, seed])
+    count = len(prepared.edges)
+    if kind == "length":
+        return prepared.length
+    return rng.exponential(1.0, count) if kind == "real" else rng.integers(0, 4, count) * 1.0
+
+
+def rerooted(prepared, shift):
+    """The same problem with another root edge, and the edge of each node."""
+    walk, measure = prepared.carved.walk, prepared.measure
+    m = len(walk.corner)
+    ends = np.sort((np.column_stack((walk.i, walk.j)) - shift) % m, axis=1)
+    at = np.roll(prepared.polygon.vertex[walk.corner], -shift)
+    steps = measure.length(prepared.position, at, np.roll(at, -1))
+    tree = build_tree(m, *ends.T)
+    return network(tree, steps[-1], steps[:-1], prepared.length), tree.diagonal
+
+
+def assert_feasible(net, cut, tau):
+    cut = cut.copy()
+    cut[0] = True
+    below, above = witness_lengths(net, cut)
+    assert (cut | (np.minimum(below, above) <= tau * net.length * (1 + 1e-11))).all()
+
+
+@pytest.mark.parametrize("kind", ["length", "real", "tied"])
+@pytest.mark.parametrize("seed", range(20))
+def test_against_all_subsets(seed, kind, settings):
+    prepared = prepare(*shapes.tour(seed, 11))
+    weight = weights_of(kind, prepared, seed)
+    expected = brute_force.cheapest(prepared.polygon.xy, prepared.edges, weight, TAUS)
+    for tau, least in zip(TAUS, expected):
+        solution = select(prepared, tau, weight, 0.0)
+        assert solution.cost == pytest.approx(least, rel=1e-9, abs=1e-12), (seed, tau)
+        assert solution.lower_bound == pytest.approx(least, rel=1e-9, abs=1e-12)
+        assert solution.dilation <= tau * (1 + 1e-11)
+        loose = select(prepared, tau, weight, 0.3)
+        assert loose.lower_bound <= least * (1 + 1e-9)
+        assert least * (1 - 1e-9) <= loose.cost <= least / 0.7 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_candidates_against_all_subsets(seed, settings):
+    """Fewer diagonals: faces with many edges, on a lattice."""
+    s = shapes.polyomino(seed, 3, 2)
+    ring = s.rings[0]
+    lines = ring[np.array(shapes.random_diagonals(ring, seed, 0.7))]
+    prepared = prepare(*s, lines=lines)
+    weight = weights_of("tied" if seed % 2 else "real", prepared, seed)
+    expected = brute_force.cheapest(prepared.polygon.xy, prepared.edges, weight, TAUS)
+    found = [select(prepared, tau, weight, 0.0).cost for tau in TAUS]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_any_root_edge_and_any_trimming_give_the_same(seed, settings):
+    prepared = prepare(*shapes.tour(200 + seed, 60))
+    for kind in ("length", "tied"):
+        weight = weights_of(kind, prepared, seed)
+        for tau in (1.5, 3.0, 8.0):
+            costs = []
+            for shift in (0, 17, 41):
+                net, edge = rerooted(prepared, shift)
+                own = np.append(0.0, weight[edge])
+                cut, bound = min_weight(net, own, tau, 0.0)
+                assert_feasible(net, cut, tau)
+                costs += [own[cut].sum(), bound]
+            assert costs == pytest.approx([costs[0]] * 6, rel=1e-9, abs=1e-12), (seed, kind, tau)
+
+
+def outline():
+    lon, lat = np.loadtxt(OUTLINE, delimiter=",", skiprows=1).T
+    xy = np.column_stack(((lon - 10) * np.cos(np.radians(lat)) * 111.32, (lat - 48) * 111.32))
+    return xy, np.array([0, len(xy)])
+
+
+@pytest.mark.parametrize(
+    "tau, length", [(2, 9119.6047), (4, 2573.6491), (6, 1380.0469), (10, 592.1236)]
+)
+def test_western_europe_proven_optimal(tau, length):
+    prepared = prepare(*outline())
+    solution = select(prepared, tau, prepared.length, 0.0)
+    assert solution.cost == pytest.approx(length, abs=5e-5)
+    assert solution.lower_bound == pytest.approx(solution.cost, rel=1e-9)
+    fewest = select(prepared, tau)
+    assert solution.cost < prepared.length[fewest.selected].sum()
+    assert fewest.cost < len(solution.selected)
+
+
+def test_partition_reduction():
+    """The paper's Fig. 4: a total length of 3 A / 2 exists if and only if Partition has a solution."""
+    for numbers, answer in [
+        ((1, 2, 3), True), ((3, 1, 1, 2, 2, 1), True), ((5, 5, 4, 3, 2, 1), True),
+        ((1, 1, 3), False), ((2, 2, 2), False), ((6, 1, 1, 2), False), ((7, 5, 3, 3), False), ((7, 5, 4, 2), True),
+    ]:  # fmt: skip
+        total = sum(numbers)
+        s, candidates = reduction(numbers)
+        prepared = prepare(*s, lines=candidates)
+        assert len(prepared.edges) == 2 * len(numbers) + 1
+        cost = select(prepared, 3.0, prepared.length, 0.0).cost
+        assert (cost <= 1.5 * total * (1 + 1e-12)) == answer, (numbers, cost / total)
+
+
+def reduction(numbers):
+    """The polygon of the reduction, and its candidates: the steps and the fan of u.
+
+    The step from v_i to v_{i+1} is 3 a_i long, and 9 a_i around its tip. From u, 4 A above the last
+    v, it is 6 A to v_1 by way of p, and so 15 A around all tips to the last v; through the far point
+    it is farther. Selected steps of total length 3 A / 2 save 3 A.
+    """
+    total = sum(numbers)
+    x = np.concatenate(([0.0], np.cumsum(numbers))) * 3.0
+    v = [(at, 0.0) for at in x]
+    tips = [(at, -4.0 * a) for a, at in zip(numbers, x[1:])]
+    u, far = (x[-1], 4.0 * total), (x[-1] + 7.0 * total, 0.0)
+    height = math.sqrt(3.0**2 - 2.5**2) / 5.0  # of p over u v_1, whose length is 5 A
+    p = ((1.5 - 4.0 * height) * total, (2.0 + 3.0 * height) * total)
+    bottom = [point for pair in zip(v, tips) for point in pair]
+    candidates = [*zip(v[:-1], v[1:]), *((u, point) for point in v)]
+    return shapes.shape([*bottom, v[-1], far, u, p]), np.array(candidates)
+
+
+def test_bounds_are_kept_when_time_is_up():
+    prepared = prepare(*outline())
+    fewest = prepared.length[select(prepared, 4.0).selected].sum()
+    solution = select(prepared, 4.0, prepared.length, 0.0, time_limit=0.0)
+    assert solution.cost <= fewest and solution.lower_bound <= 2573.6491
+    assert solution.dilation <= 4.0
+
+
+def test_a_solution_to_begin_with_is_never_made_worse():
+    prepared = prepare(*shapes.tour(3, 40))
+    net = prepared.carved.net
+    weight = np.append(0.0, prepared.length[prepared.carved.node_edge])
+    best, bound = min_weight(net, weight, 2.0, 0.0)
+    cut, _ = min_weight(net, weight, 2.0, 1.0, start=best)
+    assert (cut == best).all()
+    assert bound <= weight[min_size(net, 2.0) == SELF].sum()
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_holes(seed):
+    s = shapes.TWO_HOLES if seed == 0 else shapes.mosaic(seed, 60, 0.7)
+    prepared = prepare(*s)
+    for tau in (2.0, 4.0, math.inf):
+        solution = select(prepared, tau, prepared.length, 0.0)
+        fewest = select(prepared, tau)
+        assert solution.dilation <= tau * (1 + 1e-11)
+        assert solution.lower_bound <= solution.cost
+        assert solution.cost <= prepared.length[fewest.selected].sum() * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("factor", [1e150, 1e-170, 1e300])
+def test_extreme_weights(factor, settings):
+    prepared = prepare(*shapes.tour(5, 40))
+    plain = select(prepared, 2.0, prepared.length / 1e6, 0.0)
+    extreme = select(prepared, 2.0, prepared.length / 1e6 * factor, 0.0)
+    assert extreme.cost == pytest.approx(plain.cost * factor, rel=1e-9)
+    assert extreme.lower_bound == pytest.approx(extreme.cost, rel=1e-9)
+
+
+@pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf])
+def test_bad_weights(bad):
+    prepared = prepare(*shapes.DUMBBELL)
+    weight = prepared.length.copy()
+    weight[3] = bad
+    with pytest.raises(ValueError, match="weights"):
+        select(prepared, 2.0, weight)

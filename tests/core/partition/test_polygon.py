@@ -1,0 +1,160 @@
+import numpy as np
+import pytest
+
+from isthmus.core.errors import Unsolvable
+from isthmus.core.partition.polygon import from_rings, ring_polygon, signed_areas
+
+from .. import shapes
+from ..shapes import box, shape
+
+NAN, INF = float("nan"), float("inf")
+
+INVALID = {
+    "empty": (shape(np.empty((0, 2))), "empty"),
+    "empty hole": (shapes.Shape(shapes.SQUARE.coords, np.array([0, 4, 4])), "fewer than three"),
+    "nan": (shape([(0, 0), (1, 0), (NAN, 1)]), "not finite"),
+    "infinity": (shape([(0, 0), (1, 0), (1, INF)]), "not finite"),
+    "nan in a hole": (shape(box(0, 0, 9, 9), [(1, 1), (2, NAN), (2, 1)]), "not finite"),
+    "point": (shape([(1, 1)] * 5), "fewer than three"),
+    "two points": (shape([(1, 1), (1, 1), (2, 2), (2, 2)]), "fewer than three"),
+    "there and back": (shape([(1, 1), (2, 2), (1, 1), (2, 2)]), "invalid"),
+    "flat": (shape([(0, 0), (1, 1), (2, 2)]), "invalid"),
+    "bow-tie": (shape([(0, 0), (1, 1), (1, 0), (0, 1)]), "Self-intersection"),
+    "spike": (
+        shape([(0, 0), (10, 0), (10, 5), (20, 5), (10, 5), (10, 10), (0, 10)]),
+        "Self-intersection",
+    ),
+    "pinch": (
+        shape([(0, 0), (10, 0), (10, 10), (20, 10), (20, 20), (10, 20), (10, 10), (0, 10)]),
+        "Self-intersection",
+    ),
+    "hole outside": (shape(box(0, 0, 1, 1), box(3, 3, 4, 4)), "outside shell"),
+    "hole shares an edge": (
+        shape(box(0, 0, 10, 10), [(0, 2), (4, 2), (4, 8), (0, 8)]), "Self-intersection"
+    ),
+    "holes overlap": (shape(box(0, 0, 9, 9), box(1, 1, 4, 4), box(3, 3, 6, 6)), "invalid"),
+    "hole twice": (shape(box(0, 0, 9, 9), box(1, 1, 4, 4), box(1, 1, 4, 4)), "invalid"),
+    "hole in a hole": (shape(box(0, 0, 9, 9), box(1, 1, 8, 8), box(3, 3, 6, 6)), "nested"),
+    "one hole cuts through": (
+        shape(box(0, 0, 20, 10), [(0, 5), (10, 8), (20, 5), (10, 2)]), "disconnected"
+    ),
+    "two holes cut through": (
+        shape(box(0, 0, 20, 10), [(0, 5), (10, 5), (5, 2)], [(10, 5), (20, 5), (15, 8)]),
+        "disconnected",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", INVALID)
+def test_refused_with_a_reason(name):
+    bad, reason = INVALID[name]
+    with pytest.raises(Unsolvable, match=reason):
+        from_rings(bad.coords, bad.offsets)
+
+
+@pytest.mark.parametrize("factor", [1e150, 1e-170])
+def test_reason_at_extreme_values_names_no_scaled_place(factor):
+    bow = INVALID["bow-tie"][0].mapped(lambda xy: xy * factor)
+    with pytest.raises(Unsolvable, match="^invalid geometry: Self-intersection$"):
+        from_rings(bow.coords, bow.offsets)
+
+
+def test_canonical_order():
+    ring = [(9, 5), (0, 9), (0, 0)]
+    s = shape(ring, [(1, 2), (2, 2), (2, 3)], [(1, 6), (2, 6), (1, 7)])
+    polygon = from_rings(s.coords, s.offsets)
+    assert polygon.xy[:3].tolist() == [[0, 0], [9, 5], [0, 9]], "ccw, from the smallest vertex"
+    assert polygon.xy[3:].tolist() == [[1, 2], [2, 3], [2, 2], [1, 6], [1, 7], [2, 6]]
+    assert not polygon.shell_reversed
+    assert from_rings(*shapes.reversed_rings(s)).shell_reversed
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_telling_it_otherwise_changes_nothing(seed):
+    s = shapes.mosaic(seed, 40)
+    expected = from_rings(*s)
+    for other in (
+        shapes.restarted(s, seed + 1), shapes.reversed_rings(s), shapes.reordered_holes(s, seed),
+        shapes.with_duplicates(s, seed),
+    ):
+        polygon = from_rings(*other)
+        for name in ("xy", "vertex", "offsets"):
+            assert np.array_equal(getattr(polygon, name), getattr(expected, name))
+        first = polygon.rows[polygon.row_start[:-1]]
+        assert np.array_equal(other.coords[first], expected.xy[expected.vertex])
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_each_row_has_its_corner(seed):
+    s = shapes.with_duplicates(shapes.restarted(shapes.tour(seed, 12), 5), seed)
+    polygon = from_rings(*s)
+    assert sorted(polygon.rows.tolist()) == list(range(len(s.coords)))
+    corner = np.repeat(np.arange(len(polygon.vertex)), np.diff(polygon.row_start))
+    assert np.array_equal(s.coords[polygon.rows], polygon.xy[polygon.vertex[corner]])
+
+
+def test_closing_row_and_negative_zero_are_duplicates():
+    s = shape([(0.0, 0.0), (3, 0), (0, 3), (-0.0, 0.0)])
+    polygon = from_rings(*s)
+    assert len(polygon.xy) == 3
+    assert sorted(polygon.rows.tolist()) == [0, 1, 2, 3]
+    assert np.diff(polygon.row_start).tolist() == [2, 1, 1]
+
+
+@pytest.mark.parametrize("name", shapes.TOUCHING)
+def test_touching_rings_share_a_vertex(name):
+    s = shapes.TOUCHING[name]
+    polygon = from_rings(*s)
+    assert len(np.unique(polygon.xy, axis=0)) == len(polygon.xy)
+    points = polygon.xy[polygon.vertex]
+    rings_at = {}
+    for point, ring in zip(map(tuple, points), polygon.ring_of_corner):
+        rings_at.setdefault(point, []).append(ring)
+    assert any(len(rings) > 1 for rings in rings_at.values())
+    assert all(len(set(rings)) == len(rings) for rings in rings_at.values())
+    assert np.array_equal(points, s.coords[polygon.rows[polygon.row_start[:-1]], :2])
+
+
+@pytest.mark.parametrize("name, inserted", [
+    ("touch at vertex", []), ("touch in edge", [[0, 5]]), ("holes touch", []),
+    ("holes touch in edge", [[10, 5]]),
+])
+def test_a_touched_edge_gets_a_corner(name, inserted):
+    polygon = from_rings(*shapes.TOUCHING[name])
+    assert polygon.xy[polygon.vertex[polygon.inserted]].tolist() == inserted
+
+
+def test_several_touches_on_one_edge():
+    teeth = [[(x, 0), (x - 1, 4), (x + 1, 4)] for x in (12, 3, 9, 6)]
+    polygon = from_rings(*shape(box(0, 0, 15, 9), *teeth))
+    assert polygon.xy[polygon.vertex[:8]].tolist() == [
+        [0, 0], [3, 0], [6, 0], [9, 0], [12, 0], [15, 0], [15, 9], [0, 9]
+    ]
+
+
+def test_two_holes_touch_an_edge_at_one_point():
+    s = shape(box(0, 0, 10, 10), [(5, 0), (1, 2), (2, 4)], [(5, 0), (8, 4), (9, 2)])
+    polygon = from_rings(*s)
+    assert polygon.inserted.sum() == 1
+    assert (np.bincount(polygon.vertex) == 3).sum() == 1
+
+
+@pytest.mark.parametrize("factor", [1e300, 1e150, 1e60, 1.0, 1e-60, 1e-170, 1e-300])
+def test_extreme_values_are_scaled_exactly(factor):
+    s = shapes.DUMBBELL.mapped(lambda xy: xy * factor)
+    polygon = from_rings(*s)
+    order = polygon.rows[polygon.row_start[:-1]]
+    assert np.array_equal(polygon.xy * polygon.unit, s.coords[order])
+    assert np.frexp(polygon.unit)[0] == 0.5, "a power of two"
+    assert factor != 1.0 or polygon.unit == 1.0
+
+
+def test_signed_areas():
+    rings = np.array(box(0, 0, 2, 3) + box(5, 5, 6, 6)[::-1] + [(9, 9), (9, 8), (7, 9)], float)
+    assert signed_areas(rings, np.array([0, 4, 8, 11])).tolist() == [6.0, -1.0, -1.0]
+
+
+def test_ring_polygon():
+    s = shapes.TOUCH_IN_EDGE
+    polygon = from_rings(*s)
+    assert ring_polygon(polygon, polygon.xy).equals(s.polygon)
