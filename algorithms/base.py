@@ -28,6 +28,9 @@ ICON = str(RESOURCES / "icon.svg")
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
 
+# Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
+CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
+
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
 
@@ -217,8 +220,29 @@ class Steps:
             self.done += self.size
             self.feedback.setProgress(100.0 * self.done / self.total)
 
+    def chunks(self):
+        """Yield lists of features, few or small enough to be worked on at once.
+
+        What is yielded counts as done when the next is asked for.
+        """
+        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        chunk, self.size = [], 0
+        for feature, size in zip(features, self.sizes):
+            if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
+                yield chunk
+                self.done += self.size
+                chunk, self.size = [], 0
+            if self.feedback.isCanceled():
+                return
+            chunk.append(feature)
+            self.size += size
+        if chunk:
+            yield chunk
+        self.done += self.size
+        self.feedback.setProgress(100.0 * self.done / self.total)
+
     def progress(self, share):
-        """Report the share done of the current feature."""
+        """Report the share done of the current feature or chunk."""
         self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
 
 

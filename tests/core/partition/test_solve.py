@@ -51,7 +51,7 @@ def test_delaunay_candidates_against_brute_force(seed, engine):
     s = shapes.tour(seed, 5 + seed)
     for tau in TAUS:
         result = solve(s, tau, engine=engine)
-        assert [cut_count(result)] == fewest_cuts(result.polygon.xy, result.edges, [tau])
+        assert [cut_count(result)] == fewest_cuts(result.polygons.xy, result.edges, [tau])
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -8,10 +8,11 @@ from isthmus.core import metric
 
 from isthmus.core.partition import triangulation
 from isthmus.core.errors import MissingEngine, Unsolvable
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals, engine_name, missing_packages
+from isthmus.core.partition.polygon import one as from_rings
+from isthmus.core.partition.triangulation import engine_name, missing_packages
 
 from .. import shapes
+from ..stages import diagonals
 from ..shapes import ENGINES, needs_triangle
 
 CASES = {
@@ -206,7 +207,7 @@ def test_shapely_1_is_said_to_be_too_old(monkeypatch):
 ])
 def test_a_wrong_answer_is_never_used(answer, monkeypatch):
     """Triangle adds vertices or gives up without a word: shapely takes over."""
-    monkeypatch.setattr(triangulation, "_by_triangle", lambda polygon, plane: answer)
+    monkeypatch.setattr(triangulation, "_by_triangle", lambda job, plane, which, check: [answer])
     polygon = from_rings(*shapes.SQUARE)
     assert len(diagonals(polygon, engine="triangle")) == 1
     monkeypatch.delattr(shapely, "constrained_delaunay_triangles")
