@@ -344,12 +344,8 @@ def drop_redundant(
         u, v = edges[c].tolist()
         a, b = int(graph.node[u]), int(graph.node[v])
         link = graph.links[a].pop(c), graph.links[b].pop(c)
-        if bounded[c]:
-            detour, by = _path(graph, u, v, limit=float(allowed[c]))
-            stays = detour == inf
-        else:
-            detour, by = inf, ()
-            stays = not _connected(graph, a, b)
+        detour, by = _path(graph, u, v, limit=float(allowed[c]) if bounded[c] else inf)
+        stays = detour == inf
         if not stays:
             users = known.users(c)
             longer = known.path[users] + max(detour - float(length[c]), 0.0)
@@ -495,56 +491,51 @@ def _direct(graph, u, v):
 
 
 def _path(graph, u, v, limit=inf, enough=0.0):
-    """Shortest path between two vertices (A*): its length, and the cuts on it.
+    """Shortest path between two vertices, searched from both ends: its length, and the cuts on it.
 
     Infinite where it is longer than the limit. The first path that is found no longer than ``enough``
     is good enough.
     """
-    best, last = _direct(graph, u, v), -1
-    links, place, goals, target = graph.links, graph.place, _entries(graph, v), graph.position[v].tolist()
-    reached, came, heap = {}, {}, []
-    for a, d in _entries(graph, u).items():
-        reached[a] = d
-        if a in goals and d + goals[a] < best:
-            best, last = d + goals[a], a
-        heappush(heap, (d + dist(place[a], target), d, a))
-    while heap and best > enough:
-        least, d, a = heappop(heap)
+    best, meeting = _direct(graph, u, v), -1
+    links, place = graph.links, graph.place
+    sides = []
+    for end, goal in ((u, v), (v, u)):
+        reached = _entries(graph, end)
+        heap = sorted((d, a) for a, d in reached.items())
+        sides.append((heap, reached, {}, graph.position[goal].tolist()))
+    heap, reached, came, goal = sides[0]
+    heap_2, reached_2, came_2, goal_2 = sides[1]
+    for a, d in reached.items():
+        if a in reached_2 and d + reached_2[a] < best:
+            best, meeting = d + reached_2[a], a
+    while heap and heap_2 and best > enough:
+        least = heap[0][0] + heap_2[0][0]
         if least >= best or least > limit:
             break
+        # the smaller front goes on: where one end is cut off, this does not search all around the other
+        if len(heap_2) < len(heap):
+            heap, reached, came, goal, heap_2, reached_2, came_2, goal_2 = (
+                heap_2, reached_2, came_2, goal_2, heap, reached, came, goal)
+        d, a = heappop(heap)
         if d > reached[a]:
             continue
         for cut, (b, step) in links[a].items():
             there = d + step
             if there < reached.get(b, inf):
-                least = there + dist(place[b], target)
+                least = there + dist(place[b], goal)
                 if least < best and least <= limit:
                     reached[b] = there
                     came[b] = a, cut
-                    heappush(heap, (least, there, b))
-                    if b in goals and there + goals[b] < best:
-                        best, last = there + goals[b], b
+                    heappush(heap, (there, b))
+                    if b in reached_2 and there + reached_2[b] < best:
+                        best, meeting = there + reached_2[b], b
     if best > limit:
         return inf, ()
     cuts = []
-    while last in came:
-        last, cut = came[last]
-        if cut >= 0:
-            cuts.append(cut)
+    for back in (came, came_2):
+        a = meeting
+        while a in back:
+            a, cut = back[a]
+            if cut >= 0:
+                cuts.append(cut)
     return best, cuts
-
-
-def _connected(graph, a, b):
-    """Whether there is a path from node a to b at all; searched from both ends in turns."""
-    sides = [({a}, [a]), ({b}, [b])]
-    while True:
-        (seen, front), (others, _) = sides
-        if not front:
-            return False
-        for other, _ in graph.links[front.pop()].values():
-            if other in others:
-                return True
-            if other not in seen:
-                seen.add(other)
-                front.append(other)
-        sides.reverse()
