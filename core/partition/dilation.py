@@ -142,14 +142,13 @@ def boundary_graph(
 
 
 def detours(
-    polygons: Polygons, position: np.ndarray, edge_length: np.ndarray, edges: np.ndarray,
-    length: np.ndarray,
+    polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, length: np.ndarray
 ) -> np.ndarray:
     """Dilation of each edge in P before any cut; infinite where P does not connect its ends.
 
     Parameters
     ----------
-    polygons, position, edge_length, edges, length
+    polygons, edge_length, edges, length
         See `boundary_graph`.
 
     Returns
@@ -158,28 +157,73 @@ def detours(
 
     Notes
     -----
-    O(n + k), but for one shortest-path search for each edge between rings that touch.
+    O(n + k), and a step for each ring that a path passes. Rings that touch form a tree, since the interior
+    of a polygon is connected: so there is one way from ring to ring.
     """
-    ring, (passed, perimeter) = polygons.ring_of_corner, running(edge_length, polygons.offsets)
+    vertex, ring = polygons.vertex, polygons.ring_of_corner
+    passed, perimeter = running(edge_length, polygons.offsets)
     along = np.empty(len(polygons.xy))
-    along[polygons.vertex] = passed
+    along[vertex] = passed
     ring_of = np.empty(len(polygons.xy), dtype=np.int64)
-    ring_of[polygons.vertex] = ring
+    ring_of[vertex] = ring
     u, v = edges.T
-    arc = np.abs(along[u] - along[v])
-    same = ring_of[u] == ring_of[v]
-    path = np.where(same, np.minimum(arc, perimeter[ring_of[u]] - arc), np.inf)
-    if len(polygons.vertex) > len(polygons.xy):
-        # where rings touch, a vertex may lie on several, and a path may use them all
-        nothing = np.empty(0, dtype=np.int64)
-        graph = boundary_graph(polygons, position, edge_length, edges, length, nothing)
-        touches = np.zeros(len(perimeter), dtype=bool)
-        touches[ring[graph.node[polygons.vertex] >= 0]] = True
-        search = touches[ring_of[u]] & touches[ring_of[v]]
-        search &= ~same | (graph.node[u] >= 0) | (graph.node[v] >= 0)
-        for k in np.flatnonzero(search).tolist():
-            path[k], _ = _path(graph, *edges[k].tolist())
+    a, b = ring_of[u], ring_of[v]
+    if len(vertex) == len(polygons.xy):
+        path = np.where(a == b, _arc(along[u], along[v], perimeter[a]), np.inf)
+        return at_least_one(path / length)
+
+    root, parent, depth, gate, above = _ring_trees(polygons, passed)
+    path = np.where(root[a] == root[b], 0.0, np.inf)
+    at_u, at_v = along[u], along[v]
+    apart = np.flatnonzero((a != b) & (root[a] == root[b]))
+    while len(apart):
+        for ends, places, others in ((a, at_u, b), (b, at_v, a)):
+            deeper = apart[depth[ends[apart]] >= depth[others[apart]]]
+            deeper = deeper[ends[deeper] != others[deeper]]
+            own = ends[deeper]
+            path[deeper] += _arc(places[deeper], gate[own], perimeter[own])
+            places[deeper], ends[deeper] = above[own], parent[own]
+        apart = apart[a[apart] != b[apart]]
+    path += _arc(at_u, at_v, perimeter[a])
     return at_least_one(path / length)
+
+
+def _arc(one, other, perimeter):
+    """Length of the shorter way between two places on a ring."""
+    arc = np.abs(one - other)
+    return np.minimum(arc, perimeter - arc)
+
+
+def _ring_trees(polygons, passed):
+    """Trees of the rings that touch: for each ring its tree, parent, depth, and the gate to the parent.
+
+    The gate is given as a place along the ring itself, and as one along the parent.
+    """
+    count = len(polygons.offsets) - 1
+    root, parent, depth = list(range(count)), [-1] * count, [0] * count
+    gate, above = np.zeros(count), np.zeros(count)
+    shared = np.flatnonzero(np.bincount(polygons.vertex)[polygons.vertex] > 1)
+    ring = polygons.ring_of_corner[shared].tolist()
+    at, points = {}, {}  # rings by point, points by ring, each with the place along the ring
+    for v, r, d in zip(polygons.vertex[shared].tolist(), ring, passed[shared].tolist()):
+        at.setdefault(v, []).append((r, d))
+        points.setdefault(r, []).append((v, d))
+    reached = set()
+    for first in points:
+        if first in reached:
+            continue
+        reached.add(first)
+        front = [first]
+        while front:
+            r = front.pop()
+            for v, d in points[r]:
+                for other, there in at[v]:
+                    if other not in reached:
+                        reached.add(other)
+                        root[other], parent[other], depth[other] = first, r, depth[r] + 1
+                        gate[other], above[other] = there, d
+                        front.append(other)
+    return np.array(root), np.array(parent), np.array(depth), gate, above
 
 
 def at_least_one(dilation: np.ndarray) -> np.ndarray:
@@ -300,12 +344,8 @@ def drop_redundant(
         u, v = edges[c].tolist()
         a, b = int(graph.node[u]), int(graph.node[v])
         link = graph.links[a].pop(c), graph.links[b].pop(c)
-        if bounded[c]:
-            detour, by = _path(graph, u, v, limit=float(allowed[c]))
-            stays = detour == inf
-        else:
-            detour, by = inf, ()
-            stays = not _connected(graph, a, b)
+        detour, by = _path(graph, u, v, limit=float(allowed[c]) if bounded[c] else inf)
+        stays = detour == inf
         if not stays:
             users = known.users(c)
             longer = known.path[users] + max(detour - float(length[c]), 0.0)
@@ -451,56 +491,51 @@ def _direct(graph, u, v):
 
 
 def _path(graph, u, v, limit=inf, enough=0.0):
-    """Shortest path between two vertices (A*): its length, and the cuts on it.
+    """Shortest path between two vertices, searched from both ends: its length, and the cuts on it.
 
     Infinite where it is longer than the limit. The first path that is found no longer than ``enough``
     is good enough.
     """
-    best, last = _direct(graph, u, v), -1
-    links, place, goals, target = graph.links, graph.place, _entries(graph, v), graph.position[v].tolist()
-    reached, came, heap = {}, {}, []
-    for a, d in _entries(graph, u).items():
-        reached[a] = d
-        if a in goals and d + goals[a] < best:
-            best, last = d + goals[a], a
-        heappush(heap, (d + dist(place[a], target), d, a))
-    while heap and best > enough:
-        least, d, a = heappop(heap)
+    best, meeting = _direct(graph, u, v), -1
+    links, place = graph.links, graph.place
+    sides = []
+    for end, goal in ((u, v), (v, u)):
+        reached = _entries(graph, end)
+        heap = sorted((d, a) for a, d in reached.items())
+        sides.append((heap, reached, {}, graph.position[goal].tolist()))
+    heap, reached, came, goal = sides[0]
+    heap_2, reached_2, came_2, goal_2 = sides[1]
+    for a, d in reached.items():
+        if a in reached_2 and d + reached_2[a] < best:
+            best, meeting = d + reached_2[a], a
+    while heap and heap_2 and best > enough:
+        least = heap[0][0] + heap_2[0][0]
         if least >= best or least > limit:
             break
+        # the smaller front goes on: where one end is cut off, this does not search all around the other
+        if len(heap_2) < len(heap):
+            heap, reached, came, goal, heap_2, reached_2, came_2, goal_2 = (
+                heap_2, reached_2, came_2, goal_2, heap, reached, came, goal)
+        d, a = heappop(heap)
         if d > reached[a]:
             continue
         for cut, (b, step) in links[a].items():
             there = d + step
             if there < reached.get(b, inf):
-                least = there + dist(place[b], target)
+                least = there + dist(place[b], goal)
                 if least < best and least <= limit:
                     reached[b] = there
                     came[b] = a, cut
-                    heappush(heap, (least, there, b))
-                    if b in goals and there + goals[b] < best:
-                        best, last = there + goals[b], b
+                    heappush(heap, (there, b))
+                    if b in reached_2 and there + reached_2[b] < best:
+                        best, meeting = there + reached_2[b], b
     if best > limit:
         return inf, ()
     cuts = []
-    while last in came:
-        last, cut = came[last]
-        if cut >= 0:
-            cuts.append(cut)
+    for back in (came, came_2):
+        a = meeting
+        while a in back:
+            a, cut = back[a]
+            if cut >= 0:
+                cuts.append(cut)
     return best, cuts
-
-
-def _connected(graph, a, b):
-    """Whether there is a path from node a to b at all; searched from both ends in turns."""
-    sides = [({a}, [a]), ({b}, [b])]
-    while True:
-        (seen, front), (others, _) = sides
-        if not front:
-            return False
-        for other, _ in graph.links[front.pop()].values():
-            if other in others:
-                return True
-            if other not in seen:
-                seen.add(other)
-                front.append(other)
-        sides.reverse()

@@ -377,10 +377,7 @@ def prepare(
                 edges=edges,
                 owner=owner,
                 length=length,
-                detour=detours(
-                    polygons, position * polygons.unit[polygons.polygon_of_vertex, None],
-                    edge_length, edges, length,
-                ),
+                detour=detours(polygons, edge_length, edges, length),
                 bounded=bounded,
                 edge_length=edge_length,
                 carved=None,

@@ -62,7 +62,7 @@ class Case:
 @pytest.mark.parametrize("name", CASES)
 def test_detours(name):
     case = Case(name)
-    assert_close(detours(case.polygon, case.polygon.xy, case.edge_length, case.edges, case.length),
+    assert_close(detours(case.polygon, case.edge_length, case.edges, case.length),
                  case.expected(NONE))
 
 
