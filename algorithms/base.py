@@ -1,9 +1,8 @@
-"""What all tools share: icon, group, the check for missing packages, layer styles."""
+"""What all tools share: icon, group, parameters, layer styles."""
 
 import functools
 import html
 import math
-import sysconfig
 from pathlib import Path
 
 from qgis.core import (
@@ -20,6 +19,7 @@ from qgis.core import (
 from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
+from .dependencies import dependency_problem
 from .layers.wkb import common_type
 
 RESOURCES = Path(__file__).parent.parent / "resources"
@@ -152,34 +152,6 @@ def _without_frames(process):
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
     return f"{number:,} {what}{'s' * (number != 1)}"
-
-
-def dependency_problem():
-    """Return what is missing and which command installs it, or '' if the tools can run."""
-    try:
-        import numpy
-    except ImportError:
-        return "The Python package numpy is missing. Install it with QGIS's own package manager."
-    try:
-        import shapely
-
-        from ..core.partition.triangulation import missing_packages
-
-        problem = missing_packages(shapely)
-    except ImportError:
-        problem = "the Python package shapely is missing"
-    return problem and f"{problem[0].upper()}{problem[1:]}. {install_hint(numpy.__version__)}"
-
-
-def install_hint(numpy_version):
-    """Return how to install the packages without touching QGIS's numpy."""
-    managed = Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists()
-    return (
-        "To install what is needed, run this (on Windows in the OSGeo4W Shell), then restart QGIS: "
-        f'python3 -m pip install --user {"--break-system-packages " * managed}'
-        f'"shapely>=2.1" triangle "numpy=={numpy_version}"'
-        " (leave out triangle where pip does not find it; the last word keeps QGIS's own numpy)"
-    )
 
 
 class Steps:

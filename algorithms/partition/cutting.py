@@ -22,6 +22,7 @@ from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
 from ..layers import wkb
 from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from ..dependencies import slow_engine_note
 from .candidate_lines import CandidateLines
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
@@ -191,16 +192,11 @@ class PartitionTool(IsthmusAlgorithm):
 
     def settings(self, parameters, context, source, feedback, all_dilations=False):
         """Return how to solve."""
-        from ...core.partition.triangulation import engine_name
-
         crs = source.sourceCrs()
         lines_source = self.parameterAsSource(parameters, self.CANDIDATES, context)
         lines = lines_source and CandidateLines(lines_source, crs, context)
-        if engine_name() == "shapely" and not lines:
-            feedback.pushInfo(
-                "The package triangle is not installed. Shapely's triangulation is used instead: "
-                "as good, but slower."
-            )
+        if not lines and slow_engine_note():
+            feedback.pushInfo(slow_engine_note())
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         weigh = weigh_by_length if objective == BY_LENGTH else None
         if objective == BY_WEIGHT:

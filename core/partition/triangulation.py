@@ -1,8 +1,8 @@
 """Second stage: the diagonals of constrained Delaunay triangulations.
 
-Two engines: ``triangle`` (Shewchuk's Triangle) where it is installed, else shapely's. Triangle
-crashes or hangs on some invalid input, so only polygons that have passed `polygon.from_rings` may
-come here, and every answer is checked. The engine's own call is the only loop over polygons.
+By the first of the `engines` that is installed, and by the next where it fails. Some crash or hang on
+invalid input, so only polygons that have passed `polygon.from_rings` may come here, and every answer is
+checked. The engine's own call is the only loop over polygons.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ import shapely
 
 from ..errors import MissingEngine
 from ..progress import ignore
-from ..rings import groups, offsets_of, shapes, take
+from ..rings import shapes, take
+from . import engines
+from .engines import engine_name
 from .polygon import Polygons, is_valid
 
 __all__ = ["diagonals", "engine_name", "missing_packages", "triangulate"]
@@ -28,15 +30,11 @@ def missing_packages(shapely_module=shapely):
     if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too
         return f"shapely 2 is needed, and {version} is installed"
     if not engine_name():
-        return f"the package triangle, or shapely 2.1 instead of {version}, is needed"
+        only = engines.only_engine()
+        if only:
+            return f"the environment variable {engines.VARIABLE} asks for {only!r}, which is not installed"
+        return f"the package pythoncdt or triangle, or shapely 2.1 instead of {version}, is needed"
     return ""
-
-
-def engine_name():
-    """Return 'triangle', 'shapely', or '' where no triangulation is available."""
-    if _triangle():
-        return "triangle"
-    return "shapely" if hasattr(shapely, "constrained_delaunay_triangles") else ""
 
 
 def triangulate(
@@ -52,8 +50,8 @@ def triangulate(
         Map of coordinates to the plane whose circles count (see `metric.Metric`). Where the
         triangulation of that plane is none of the polygon's own plane, because straight edges
         bend under the map, the polygon's own plane is used.
-    engine : {'triangle', 'shapely'}, optional
-        Default: the first that is installed.
+    engine : {'triangle', 'pythoncdt', 'shapely'}, optional
+        The engine to begin with. Default: the first that is installed.
     check : callable, optional
         Called now and then with the share done; may raise `Cancelled`.
 
@@ -73,28 +71,27 @@ def triangulate(
     -----
     O(n log n) (Triangle's divide and conquer).
     """
-    engine = engine or engine_name()
-    if not engine:
+    names = engines.engine_names()
+    if engine:
+        rank = engines.ENGINES.index
+        names = [engine] + [name for name in names if rank(name) > rank(engine)]
+    if not names:
         raise MissingEngine(missing_packages())
-    engines = [engine] + ["shapely"] * (
-        engine == "triangle" and hasattr(shapely, "constrained_delaunay_triangles")
-    )
     count = len(polygons.unit)
     planes = []
     if conformal is not None:
         bent, survives = _bent(polygons, conformal)
         planes.append((bent, survives))
     planes.append((polygons.xy, np.ones(count, dtype=bool)))
-    job = _Job(polygons)
     found = [None] * count
     waiting = np.ones(count, dtype=bool)
     for plane, usable in planes:
-        for name in engines:
+        for name in names:
             which = np.flatnonzero(waiting & usable)
             if not len(which):
                 continue
-            own = (_by_triangle if name == "triangle" else _by_shapely)(job, plane, which, check)
-            good = _are_triangulations(job, which, own)
+            own = _by_engine(name, polygons, plane, which, check)
+            good = _are_triangulations(polygons, which, own)
             if plane is not polygons.xy:
                 good &= _same_sides(polygons.xy, own)
             for k in np.flatnonzero(good).tolist():
@@ -120,27 +117,6 @@ def diagonals(polygons: Polygons, triangles: np.ndarray) -> np.ndarray:
     a, b = a[inner].astype(np.int64), b[inner].astype(np.int64)
     order = np.argsort(a * n + (n - 1 - b))
     return np.column_stack((a[order], b[order]))
-
-
-class _Job:
-    """What the engines need of polygons, each as a slice of flat arrays."""
-
-    def __init__(self, polygons):
-        self.polygons = polygons
-        self.ring_bounds = polygons.polygon_offsets.tolist()
-        self.corner_bounds = polygons.corner_offsets.tolist()
-        self.vertex_bounds = polygons.vertex_offsets.tolist()
-        first = np.repeat(polygons.vertex_offsets[:-1], np.diff(polygons.corner_offsets))
-        tail = polygons.vertex - first
-        self.segments = np.column_stack((tail, tail[polygons.next_corner])).astype(np.int32)
-
-
-def _triangle():
-    try:
-        import triangle
-    except ImportError:
-        return None
-    return triangle
 
 
 def _bent(polygons, conformal):
@@ -169,83 +145,17 @@ def _bent(polygons, conformal):
     return plane, survives
 
 
-def _by_triangle(job, plane, which, check):
-    """Triangles of polygons in a plane, by Triangle; empty where it fails."""
-    polygons, nothing = job.polygons, np.empty((0, 3), dtype=np.int64)
-    triangulate = _triangle().triangulate
-    magnitude = np.where(plane == 0.0, 1.0, np.abs(plane)).min(axis=1)
-    least = np.minimum.reduceat(magnitude, polygons.vertex_offsets[:-1])
-    holes, hole_bounds = _hole_points(polygons, plane, which)
-    result = []
-    for place, p in enumerate(which.tolist()):
-        if place % 256 == 0:
-            check(place / len(which))
-        if least[p] < 1e-70:  # its arithmetic multiplies four of them: underflow, and a crash
-            result.append(nothing)
-            continue
-        lo, hi = job.vertex_bounds[p], job.vertex_bounds[p + 1]
-        graph = {
-            "vertices": plane[lo:hi],
-            "segments": job.segments[job.corner_bounds[p]:job.corner_bounds[p + 1]],
-        }
-        if hole_bounds[place] < hole_bounds[place + 1]:
-            graph["holes"] = holes[hole_bounds[place]:hole_bounds[place + 1]]
-        # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
-        try:
-            result.append(triangulate(graph, "pQBPN").get("triangles", nothing) + lo)
-        except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
-            result.append(nothing)
-    return result
-
-
-def _hole_points(polygons, plane, which):
-    """A point in each hole, and where those of each polygon start."""
-    count = np.diff(polygons.polygon_offsets)[which] - 1
-    bounds = offsets_of(count).tolist()
-    if not bounds[-1]:
-        return np.empty((0, 2)), bounds
-    ring, ring_offsets = take(polygons.polygon_offsets, which)
-    ring = np.delete(ring, ring_offsets[:-1])
-    corner, offsets = take(polygons.offsets, ring)
-    holes = shapely.polygons(
-        shapely.linearrings(plane[polygons.vertex[corner]], indices=groups(offsets))
+def _by_engine(name, polygons, plane, which, check):
+    """Triangles of polygons in a plane, by an engine; empty where it fails."""
+    vertex, vertex_offsets = take(polygons.vertex_offsets, which)
+    corner, corner_offsets = take(polygons.corner_offsets, which)
+    number = np.empty(len(plane), dtype=np.int64)
+    number[vertex] = np.arange(len(vertex))
+    ends = polygons.vertex[np.column_stack((corner, polygons.next_corner[corner]))]
+    triangles, offsets = engines.triangulate(
+        name, plane[vertex], vertex_offsets, number[ends], corner_offsets, check=check
     )
-    return shapely.get_coordinates(shapely.point_on_surface(holes)), bounds
-
-
-def _by_shapely(job, plane, which, check):
-    """Triangles of polygons in a plane, by GEOS; empty where it fails."""
-    result = []
-    for place, p in enumerate(which.tolist()):
-        if place % 64 == 0:
-            check(place / len(which))
-        result.append(_one_by_shapely(job, plane, p))
-    return result
-
-
-def _one_by_shapely(job, plane, p):
-    lo, hi = job.vertex_bounds[p], job.vertex_bounds[p + 1]
-    ring = slice(job.ring_bounds[p], job.ring_bounds[p + 1])
-    offsets = job.polygons.offsets[ring.start:ring.stop + 1]
-    vertex = job.polygons.vertex[offsets[0]:offsets[-1]] - lo
-    bounds = np.array([0, len(offsets) - 1])
-    # GEOS joins holes from the left; where they touch, it fails now and then, but not mirrored
-    for flip in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
-        mirrored = plane[lo:hi] * flip + 0.0
-        (shape,) = shapes(mirrored[vertex], offsets - offsets[0], bounds)
-        try:
-            triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
-        except shapely.errors.GEOSException:
-            continue
-        corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-        # as complex numbers, points have numpy's lexicographic order
-        key, corners = (np.ascontiguousarray(x).view(np.complex128).ravel()
-                        for x in (mirrored, corners))
-        order = np.argsort(key)
-        place = np.searchsorted(key, corners, sorter=order)
-        triangles = lo + order[np.minimum(place, len(key) - 1)].reshape(-1, 3)
-        return triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1]
-    return np.empty((0, 3), dtype=np.int64)
+    return np.split(vertex[triangles], offsets[1:-1])
 
 
 def _half_edges(polygons, triangles):
@@ -264,9 +174,8 @@ def _half_edges(polygons, triangles):
     return a, b, boundary
 
 
-def _are_triangulations(job, which, found):
+def _are_triangulations(polygons, which, found):
     """Whether the triangles found for some polygons are triangulations of these."""
-    polygons = job.polygons
     size = np.array([len(one) for one in found])
     corners = np.diff(polygons.corner_offsets)[which]
     touches = corners - np.diff(polygons.vertex_offsets)[which]

@@ -308,7 +308,8 @@ def test_a_large_koch_curve():
 def test_no_engine():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "triangle", None)
-        patch.delattr(shapely, "constrained_delaunay_triangles")
+        patch.setitem(sys.modules, "pythoncdt", None)
+        patch.delattr(shapely, "constrained_delaunay_triangles", raising=False)
         with pytest.raises(MissingEngine):
             solve(shapes.SQUARE)
         lines = [[(0, 0), (10, 10)]]
