@@ -26,6 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .polygon import Polygons
+from ..metric import Metric
+from ..rings import following, groups
+
 __all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "USED", "bends",
            "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
 
@@ -95,13 +99,15 @@ class Outline(NamedTuple):
     along: np.ndarray
 
 
-def natural(polygons, edges, triangles, position, measure, smallest):
+def natural(
+    polygons: Polygons, edges: np.ndarray, triangles: np.ndarray, position: np.ndarray,
+    measure: Metric, smallest: np.ndarray,
+) -> Natural:
     """Choose the diagonals of polygons where people would cut.
 
     Parameters
     ----------
-    polygons : Polygon or Polygons
-        One polygon, or a chunk of them in flat arrays.
+    polygons : Polygons
     edges : (k, 2) int
         Vertex indices u < v of the diagonals of a triangulation.
     triangles : (t, 3) int
@@ -120,17 +126,15 @@ def natural(polygons, edges, triangles, position, measure, smallest):
     -----
     O(n log n), but for the diagonals within reach of those that only a step could keep.
     """
-    ring, following = polygons.ring_of_corner, polygons.next_corner
-    vertex, offsets = polygons.vertex, polygons.offsets
-    polygon_offsets = getattr(polygons, "polygon_offsets", np.array([0, len(offsets) - 1]))
-    polygon_of_ring = np.repeat(np.arange(len(polygon_offsets) - 1), np.diff(polygon_offsets))
+    ring, vertex, offsets = polygons.ring_of_corner, polygons.vertex, polygons.offsets
+    polygon_offsets, polygon_of_ring = polygons.polygon_offsets, polygons.polygon_of_ring
     smallest = np.broadcast_to(np.asarray(smallest, dtype=float), len(polygon_offsets) - 1)
     corner = _corners(polygons, edges)
     plane = measure.equal_area(polygons.xy)[vertex]
     first = np.repeat(offsets[polygon_offsets[:-1]], np.diff(offsets[polygon_offsets]))
     plane = plane - plane[first]  # near its origin, terms of areas cancel least
     length = measure.length(position, edges[:, 0], edges[:, 1])
-    edge_length = measure.length(position, vertex, vertex[following])
+    edge_length = measure.length(position, vertex, vertex[polygons.next_corner])
     polygon = polygon_of_ring[ring[corner[:, 0]]]
 
     share, area = shares(plane, offsets, polygon_offsets, corner)
@@ -157,12 +161,14 @@ def natural(polygons, edges, triangles, position, measure, smallest):
     left = np.flatnonzero(why == KEPT)
     order = left[np.lexsort((left, length[left] / bend[left]))]
     why[order] = one_by_one(
-        polygons, outline, corner[order], length[order], plane, polygon_of_ring, area, smallest
+        polygons, outline, corner[order], length[order], plane, area, smallest
     )
     return Natural(why == KEPT, measured, share, why)
 
 
-def shares(plane, offsets, polygon_offsets, corner):
+def shares(
+    plane: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray, corner: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Area on the smaller side of each diagonal, as a share of its polygon's.
 
     A side is an interval of a ring: two entries of the prefix sums of the shoelace terms, and the
@@ -187,11 +193,9 @@ def shares(plane, offsets, polygon_offsets, corner):
     -----
     O(n + k).
     """
-    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    x, y = plane.T
-    following = np.arange(1, len(plane) + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
-    passed = np.append(0.0, np.cumsum(x * y[following] - x[following] * y)) / 2.0
+    ring = groups(offsets)
+    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
+    passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
     whole = passed[offsets[1:]] - passed[offsets[:-1]]  # the hole's are negative
     area = whole[polygon_offsets[:-1]]
     u, v = corner.T
@@ -201,7 +205,10 @@ def shares(plane, offsets, polygon_offsets, corner):
     return np.where(ring[u] == ring[v], smaller / area[polygon], np.nan), area
 
 
-def generalised(plane, point, offsets, edge_length, least, corner=None):
+def generalised(
+    plane: np.ndarray, point: np.ndarray, offsets: np.ndarray, edge_length: np.ndarray,
+    least: np.ndarray, corner: np.ndarray | None = None,
+) -> Outline:
     """Generalise rings by the area that matters (Visvalingam and Whyatt 1993, Cartogr. J. 30).
 
     A corner goes where its triangle with its neighbours is smaller than ``least``; the smaller ones
@@ -231,7 +238,7 @@ def generalised(plane, point, offsets, edge_length, least, corner=None):
     -----
     O(n) a round, O(log n) rounds.
     """
-    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    ring = groups(offsets)
     levels = LEVELS if corner is None else 1
     here = np.arange(len(plane)) if corner is None else corner
     start = np.searchsorted(here, offsets)
@@ -288,7 +295,9 @@ def _outlines(plane, point, offsets, edge_length, least):
     return finest, total / SCALES
 
 
-def bends(outline, ring, corner, length):
+def bends(
+    outline: Outline, ring: np.ndarray, corner: np.ndarray, length: np.ndarray
+) -> np.ndarray:
     """How concave the generalised outline is at the ends of diagonals (the minima rule).
 
     Parameters
@@ -317,7 +326,9 @@ def bends(outline, ring, corner, length):
     return _bend(at, before, after)
 
 
-def edges_of_triangles(triangles, edges, n):
+def edges_of_triangles(
+    triangles: np.ndarray, edges: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Which triangles lie beside each edge, and which edges bound each triangle.
 
     Parameters
@@ -352,7 +363,10 @@ def edges_of_triangles(triangles, edges, n):
     return beside, np.append(edge.reshape(-1, 3), [[-1, -1, -1]], axis=0)
 
 
-def opens(asked, large, length, middle, beside, across):
+def opens(
+    asked: np.ndarray, large: np.ndarray, length: np.ndarray, middle: np.ndarray,
+    beside: np.ndarray, across: np.ndarray,
+) -> np.ndarray:
     """Whether the polygon gets wider by a step within reach of diagonals (necks and limbs).
 
     In a dense outline a neck widens triangle by triangle. From the diagonal, walk over the large
@@ -400,7 +414,10 @@ def opens(asked, large, length, middle, beside, across):
     return ((longest >= STEP) & (shortest[:, ::-1] >= TAPER)).any(axis=1)
 
 
-def one_by_one(polygons, outline, corner, length, plane, polygon_of_ring, area, smallest):
+def one_by_one(
+    polygons: Polygons, outline: Outline, corner: np.ndarray, length: np.ndarray,
+    plane: np.ndarray, area: np.ndarray, smallest: np.ndarray,
+) -> np.ndarray:
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
     A diagonal is cut if its bends, measured on the outline of the piece in which it lies, still sum
@@ -408,14 +425,13 @@ def one_by_one(polygons, outline, corner, length, plane, polygon_of_ring, area, 
 
     Parameters
     ----------
-    polygons : Polygon or Polygons
+    polygons : Polygons
     outline : Outline
     corner : (k, 2) int
         The ends of the diagonals, the first to cut first.
     length : (k,) float
     plane : (c, 2) float
         The corners in a plane with true areas, near its origin.
-    polygon_of_ring : (r,) int
     area, smallest : (p,) float
         Area of each polygon, holes included, and of its smallest part.
 
@@ -434,8 +450,8 @@ def one_by_one(polygons, outline, corner, length, plane, polygon_of_ring, area, 
     start = np.searchsorted(places, polygons.offsets)
     before, after = _neighbours(start)
     term = _outline_terms(plane, polygons.offsets, places, after)
-    label, area = polygon_of_ring[ring[places]].tolist(), area.tolist()
-    smallest = smallest[polygon_of_ring[ring[places]]].tolist()
+    polygon = polygons.polygon_of_ring[ring[places]]
+    label, area, smallest = polygon.tolist(), area.tolist(), smallest[polygon].tolist()
     before, after, term = before.tolist(), after.tolist(), term.tolist()
     point = list(map(tuple, _at(outline, ring[places], outline.along[places]).tolist()))
     (x, y), (x2, y2) = plane[corner[:, 0]].T, plane[corner[:, 1]].T
@@ -517,9 +533,7 @@ def _way(begin, end, after):
 
 def _outline_terms(plane, offsets, places, after):
     """Shoelace terms of the outline from each place to the one after it."""
-    following = np.arange(1, len(plane) + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
-    (x, y), (x2, y2) = plane.T, plane[following].T
+    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
     passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
     whole = np.repeat(passed[offsets[1:]] - passed[offsets[:-1]], np.diff(offsets))
     term = passed[places[after]] - passed[places]
