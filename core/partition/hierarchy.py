@@ -158,7 +158,7 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
     inside = np.minimum(below, above)[roots:] / net.length[roots:]
     some = bounded[roots:] & ~cut[roots:]
     np.maximum.at(least, owner[some], inside[some])
-    version = dict.fromkeys(members, 0)
+    version = dict.fromkeys(members, 0)  # the cut that changed each part last
     queue = [(price(k), k, 0, 0) for k in cuts]
     heapify(queue)
     persistence = np.full(len(length), np.inf)
@@ -178,7 +178,7 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
         members[upper] = np.append(nodes, node)
         del members[lower]
         merged[lower] = upper
-        version[upper] += 1
+        version[upper] = len(order) + 1
         edge, polygon = int(node_edge[node - roots]), int(owner[node - roots])
         least[polygon] = max(least[polygon], cost)
         persistence[edge] = least[polygon]

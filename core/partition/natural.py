@@ -41,6 +41,7 @@ DETAIL = 0.02  # detail below this share of the smallest part is not measured ..
 SCALES = 5  # ... and lengths along the outline are the mean over so many scales, each twice the last
 REACH = 0.5  # bends and widening are measured within this share of the diagonal's length
 BENT = 20.0  # degrees: least sum of the bends at both ends
+LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
 WIDER = 1.15  # an edge of a triangle beside the diagonal is so much longer ...
 STEP = 1.3  # ... or a diagonal within reach on one side is ...
 TAPER = 0.7  # ... and none within reach on the other side is shorter than this
@@ -421,7 +422,7 @@ def one_by_one(
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
     A diagonal is cut if its bends, measured on the outline of the piece in which it lies, still sum
-    to at least nothing, and if both pieces that it leaves are large enough.
+    to LEFT, and if both pieces that it leaves are large enough.
 
     Parameters
     ----------
@@ -467,7 +468,7 @@ def one_by_one(
             _bend_at(point[x], _walk(x, before, point, reach), _walk(x, after, point, reach))
             for x in (a, b)
         )
-        if bend < 0.0:
+        if bend < LEFT:
             verdict[k] = USED
             continue
         # without holes the two labels are one; a hole may still have that of a larger piece
