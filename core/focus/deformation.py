@@ -19,10 +19,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from .mesh import heights
+
 __all__ = ["relax", "unbounded"]
 
 GUARD = 3e-4  # weight of the triangles beside that of the edges
 AREA = 0.5  # weight of the change of area beside that of the change of shape in a triangle
+THIN = 1e-11  # height of a triangle that the precision of the program does not reach
 LEFT = 0.2  # of a triangle's area, what a step must leave
 STEPS = 150  # Newton steps before giving up
 LAST = 12  # of these, after the scale is reached
@@ -74,7 +77,7 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
     pull = 2.0 * (reduced.T @ (matrix @ constant))
     corner = group[triangles]
     loose = (corner.min(axis=1) != corner.max(axis=1)) | (corner[:, 0] < 0)
-    triangles = triangles[loose]
+    triangles = triangles[loose & (heights(xy, triangles) > THIN)]
     gradient, area = _gradient(xy, triangles)
     weight = guard * max(len(edges), 1) * area / area.sum()
     slope = (gradient @ spread[:2 * n]).tocsr()

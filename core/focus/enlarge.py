@@ -22,6 +22,7 @@ MOST = 3000  # vertices outside the focus to solve for
 POINT = 1e-12  # what is smaller than this share of the map is a point to the solver
 SIDES = 64  # a focus gets about so many vertices on its outline where the map has none
 GRID = 32  # free vertices along the longer side of the frame, where there is no polygon
+ROOM = 1.4  # of what the focus gains, how much the frame grows if it may
 PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
 ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
 
@@ -163,10 +164,14 @@ def enlarge(
     graph, group = _distinct(graph, group, rows, local(graph.xy))
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
-    noded = node(local(graph.xy), graph.edges, check)
+    box = local(low), local(high)
+    xy = local(graph.xy)
+    for corner in box:  # what is at a side but for rounding is on it
+        xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+    noded = node(xy, graph.edges, check)
     regions = [shapely.transform(region, local) for region in regions]
     land = _land(local(rows), starts, polygons)
-    mesh = _mesh(noded, group, regions, land, (local(low), local(high)), frame, scale, check)
+    mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
     xy, group = mesh.xy, mesh.group
     skipped = []
     if scale == 1.0:
@@ -192,10 +197,16 @@ def enlarge(
                 anchor = mine[np.argmax(~mesh.rigid[mine])]
                 shift[mine] = shift[anchor] + (scale - 1.0) * (xy[mine] - xy[anchor])
             shift = reinsert(coarse, xy, shift, mesh.rigid, check)
-            bad = turned(xy + shift, mesh.triangles)
+            bad = turned(xy, xy + shift, mesh.triangles)
             if not bad.any():
                 break
             needed[mesh.triangles[bad]] = True
+        else:
+            x, y = graph.xy[mesh.triangles[bad].min()]
+            raise Unsolvable(
+                f"lines of the map are too close to each other to be moved without a fold, near ({x:g} "
+                f"{y:g})"
+            )
     check = stage(0.95, 1.0)
     if not np.isfinite(shift).all():
         raise Unsolvable("the map could not be solved: some positions are not finite numbers")
@@ -254,34 +265,35 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     along = [np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1)
              for axis in (0, 1)]
     grid = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2)
-    at_corner = ((grid == low) | (grid == high)).all(axis=1)
-    grid = _roomy(grid[~at_corner], noded, 0.3 * cell)
+    grid = grid[~((grid == low) | (grid == high)).all(axis=1)]
     on_side = ((grid == low) | (grid == high)).any(axis=1)
-    if len(land):
-        tree = shapely.STRtree(land)
-        covered = np.unique(tree.query(shapely.points(grid), predicate="intersects")[0])
-        free = np.ones(len(grid), dtype=bool)
-        free[covered] = False
-        grid = grid[free | on_side]
-    extra, extra_group = [grid], [np.full(len(grid), -1)]
+    grid = grid[on_side | ~_on_land(land, grid)]
+    extra, own, gap = [grid], [np.full(len(grid), -1)], [np.full(len(grid), 0.3 * cell)]
     for g, region in enumerate(regions):
+        own[0][_inside(region, grid) & ~((grid == low) | (grid == high)).any(axis=1)] = g
         seen = shapely.get_parts(shapely.intersection(region, shapely.box(*low, *high)))
+        # where the map's own vertices tell the region well, its polygons get no others
+        hull = shapely.area(shapely.convex_hull(shapely.multipoints(noded.xy[group == g])))
+        told = hull > shapely.area(seen).sum() / 4.0
         for part in seen[shapely.area(seen) > 0.0]:
             step = shapely.length(part) / SIDES
             ring = np.unique(shapely.get_coordinates(shapely.segmentize(part, step)), axis=0)
+            # not on one line, or the triangles between them would be flat
+            ring += np.random.default_rng(1).uniform(-0.05, 0.05, ring.shape) * step
             ring = ring[((ring > low + 1e-9) & (ring < high - 1e-9)).all(axis=1)]
-            ring = _roomy(ring, noded, 0.2 * min(step, cell))
+            if told:
+                ring = ring[~_on_land(land, ring)]
             extra.append(ring)
-            extra_group.append(np.full(len(ring), g))
-        near = _inside(region, grid) & ~((grid == low) | (grid == high)).any(axis=1)
-        extra_group[0][near] = g
-    extra, extra_group = np.concatenate(extra), np.concatenate(extra_group)
+            own.append(np.full(len(ring), g))
+            gap.append(np.full(len(ring), 0.2 * min(step, cell)))
+    extra, own = np.concatenate(extra), np.concatenate(own)
+    kept = np.flatnonzero(_roomy(extra, noded, np.concatenate(gap)))
+    kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
     known = {tuple(point) for point in noded.xy[
         ((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()}
     corners = np.array([p for p in corners.tolist() if tuple(p) not in known]).reshape(-1, 2)
-    kept = _apart(extra, 0.1 * cell, extra_group)
     xy = np.concatenate((noded.xy, corners, extra[kept]))
-    group = np.concatenate((group, np.full(len(corners), -1), extra_group[kept]))
+    group = np.concatenate((group, np.full(len(corners), -1), own[kept]))
     side, rim = [], []
     for axis in (0, 1):
         for value in (low[axis], high[axis]):
@@ -302,17 +314,25 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     return _Mesh(xy, triangles, np.arange(len(xy)) < n, group, tuple(side), padded, removable, rigid & removable)
 
 
+def _on_land(land, points):
+    """Which points lie in a polygon."""
+    found = np.zeros(len(points), dtype=bool)
+    if len(land):
+        found[shapely.STRtree(land).query(shapely.points(points), predicate="intersects")[0]] = True
+    return found
+
+
 def _roomy(points, noded, least):
-    """Of points, those that are far enough from the map."""
-    if not len(points):
-        return points
-    near = shapely.STRtree(shapely.points(points)).query(
-        shapely.linestrings(noded.xy[noded.edges]), predicate="dwithin", distance=least)[1]
+    """Which points are far enough from the map."""
     from scipy.spatial import cKDTree
 
     free = cKDTree(noded.xy).query(points)[0] > least
-    free[near] = False
-    return points[free]
+    if len(noded.edges):
+        lines = shapely.STRtree(shapely.linestrings(noded.xy[noded.edges]))
+        near = np.flatnonzero(free)
+        hit = lines.query(shapely.points(points[near]), predicate="dwithin", distance=least[near])[0]
+        free[near[hit]] = False
+    return free
 
 
 def _apart(points, least, group):
@@ -543,7 +563,11 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
     width = np.ptp(xy, axis=0) - 2.0 * mesh.padded
     place = np.flatnonzero(np.bincount(links.ravel(), minlength=len(xy)) > 0)
     wanted = np.ones(2)
-    if (not frame or growth > 0.0) and len(place):
+    if frame:
+        # what the focus gains is what the rest lacks; with ROOM of it the rest hardly bends
+        gain = sum((scale - 1.0) * np.ptp(xy[group == g], axis=0) for g in np.unique(group[group >= 0]))
+        wanted += ROOM * (gain / width).max()
+    elif len(place):
         # as wide as it would like to be if its outermost points kept their scale
         ends = np.concatenate([[place[xy[place, axis].argmin()], place[xy[place, axis].argmax()]]
                                for axis in (0, 1)])
@@ -564,7 +588,7 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
                 wanted[axis] = max(share, 1.0) if frame else share
     limit = np.full(2, 1.0 + growth if frame else np.inf)
     if frame:
-        wanted = np.clip(np.full(2, wanted.max()), 1.0, limit)  # its shape is kept
+        wanted = np.clip(wanted, 1.0, limit)
     # a flat map, or a frame beside the region, has room
     wanted = np.maximum(wanted, np.where(least > 1.0, least, 0.0))
     if (wanted > limit * (1.0 + 1e-9)).any():

@@ -15,9 +15,10 @@ from ..errors import MissingEngine, Unsolvable
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
-__all__ = ["Noded", "frame_triangles", "node", "turned"]
+__all__ = ["Noded", "frame_triangles", "heights", "node", "turned"]
 
-SNAP = 1e-12  # of the map's width: points and lines nearer than this touch
+SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
+FLAT = 1e-11  # height of a triangle that lies between points on one line, but for rounding
 ROUNDS = 8  # of splitting edges; one or two are enough but for rounding
 
 
@@ -235,7 +236,27 @@ def _by_faces(xy, segments):
     return order[np.searchsorted(key, corner, sorter=order)].reshape(-1, 3)
 
 
-def turned(after, triangles):
-    """Return which triangles are not counter-clockwise; exact."""
+def turned(before, after, triangles, flat=FLAT):
+    """Return which triangles are not counter-clockwise after, exact; flat ones do not count.
+
+    Parameters
+    ----------
+    before, after : (n, 2) float
+    triangles : (t, 3) int
+        Counter-clockwise before.
+    flat : float
+        The height of a flat triangle, as a share of the width of all.
+    """
     a, b, c = after[triangles].transpose(1, 0, 2)
-    return orientations(a, b, c) <= 0
+    wrong = np.flatnonzero(orientations(a, b, c) <= 0)
+    found = np.zeros(len(triangles), dtype=bool)
+    found[wrong] = heights(before, triangles[wrong]) > flat * np.ptp(before, axis=0).max(initial=0.0)
+    return found
+
+
+def heights(xy, triangles):
+    """Return the least height of each triangle, negative if it is clockwise."""
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
+    double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return double / np.maximum(longest, 1e-300)

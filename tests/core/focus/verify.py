@@ -102,24 +102,25 @@ def _shape(xy, starts, lines):
 
 
 def _turned(before, after, starts, lines):
-    """Triangles of shapely's constrained Delaunay triangulation that are turned."""
-    rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in lines])
-    shape = _shape(before, starts, lines)
-    try:
-        corners = shapely.get_coordinates(shapely.constrained_delaunay_triangles(shape))
-    except shapely.errors.GEOSException:
-        return 0
-    if not len(corners):
-        return 0
-    corners = corners.reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-    key, corner = (np.ascontiguousarray(a).view(np.complex128).ravel() for a in (before[rows], corners))
-    order = np.argsort(key)
-    at = rows[order[np.minimum(np.searchsorted(key, corner, sorter=order), len(order) - 1)]]
-    at = at.reshape(-1, 3)
+    """Triangles of the constrained Delaunay triangulation of a polygon that are turned."""
+    import triangle
+
+    rows = np.concatenate([np.arange(starts[k], starts[k + 1] - 1) for k in lines])
+    following = np.concatenate([np.append(np.arange(starts[k] + 1, starts[k + 1] - 1), starts[k])
+                                for k in lines])
+    points, first, place = np.unique(before[rows], axis=0, return_index=True, return_inverse=True)
+    number = dict(zip(rows.tolist(), place.ravel().tolist()))
+    segments = [(number[a], number[b]) for a, b in zip(rows.tolist(), following.tolist())]
+    graph = {"vertices": points - points.mean(axis=0), "segments": np.array(segments, dtype=np.int32)}
+    if len(lines) > 1:
+        holes = [shapely.Polygon(before[starts[k]:starts[k + 1]]) for k in lines[1:]]
+        graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
+    at = rows[first][triangle.triangulate(graph, "pQBPN")["triangles"]]
     sign = []
     for xy in (before, after):
         a, b, c = xy[at].transpose(1, 0, 2)
         sign.append((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-    longest = np.hypot(*np.ptp(before[rows], axis=0))
-    seen = np.abs(sign[0]) > 1e-12 * longest * longest  # of floats, not of exact numbers
+    a, b, c = before[at].transpose(1, 0, 2)
+    longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
+    seen = np.abs(sign[0]) > 1e-11 * longest * np.ptp(before, axis=0).max()  # else flat but for rounding
     return int(np.count_nonzero(seen & (sign[0] * sign[1] <= 0.0)))
