@@ -78,6 +78,7 @@ def enlarge(
     tau=2.0,
     frame=True,
     growth=0.0,
+    aspect=1.0,
     most=MOST,
     progress=None,
     cancelled=None,
@@ -106,6 +107,9 @@ def enlarge(
         Whether the map's extent is kept, but for ``growth``. If not, the map grows as it likes.
     growth : float
         By what share the frame may grow, at least 0.
+    aspect : float
+        How long a unit of x is on the ground, in units of y: the cosine of the middle latitude for a
+        map in degrees.
     most : int
         Above this number of vertices outside the focus, a simplified map is solved for, and the
         detail carried along.
@@ -152,10 +156,12 @@ def enlarge(
     regions = _regions(focus)
     graph = build_graph(rows, starts)
     low, high = rows.min(axis=0), rows.max(axis=0)
-    centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
+    stretch = np.array([aspect, 1.0])
+    centre, unit = (low + high) / 2.0, float(((high - low) * stretch).max()) or 1.0
     if not np.isfinite(unit):
         raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
     _refuse_outlier(rows, starts, unit)
+    unit = unit / stretch
 
     def local(xy):
         return (xy - centre) / unit
@@ -196,6 +202,11 @@ def enlarge(
                 mine = np.flatnonzero(group == g)
                 anchor = mine[np.argmax(~mesh.rigid[mine])]
                 shift[mine] = shift[anchor] + (scale - 1.0) * (xy[mine] - xy[anchor])
+            if not frame:  # the first region stays where it is
+                mine = np.flatnonzero(group == 0)
+                own = mine[mesh.map_vertex[mine]] if mesh.map_vertex[mine].any() else mine
+                middle = xy[own].mean(axis=0)
+                shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
             shift = reinsert(coarse, xy, shift, mesh.rigid, check)
             bad = turned(xy, xy + shift, mesh.triangles)
             if not bad.any():
@@ -208,7 +219,7 @@ def enlarge(
                 f"{y:g})"
             )
     check = stage(0.95, 1.0)
-    if not np.isfinite(shift).all():
+    if not np.isfinite(unit * shift).all():
         raise Unsolvable("the map could not be solved: some positions are not finite numbers")
     points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy):]))
     moved = unit * shift  # what does not move does not change a bit

@@ -196,7 +196,7 @@ def test_detail_is_carried():
     radius = 10.0 + 1.0 * np.sin(5 * angle) + 0.03 * np.sin(700 * angle)
     coast = np.column_stack((np.cos(angle), np.sin(angle))) * radius[:, None]
     rows, starts, polygons = rings_of(coast)
-    focus = shapely.box(4, -5, 14, 5)
+    focus = shapely.box(8, -5, 14, 5)
     result = enlarge(rows, starts, polygons, focus, 1.6, most=300)
     check(rows, starts, polygons, focus, 1.6, result)
     assert result.distortion.flipped < 0.05
