@@ -296,10 +296,15 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
                 ring = ring[~_on_land(land, ring)]
             extra.append(ring)
             own.append(np.full(len(ring), g))
-            gap.append(np.full(len(ring), 0.2 * min(step, cell)))
+            gap.append(np.full(len(ring), 0.2 * min(step, cell) if (group == g).any() else 1e-6))
     extra, own = np.concatenate(extra), np.concatenate(own)
     kept = np.flatnonzero(_roomy(extra, noded, np.concatenate(gap)))
     kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
+    for g in range(len(regions)):
+        if not (group == g).any() and not (own[kept] == g).any():
+            raise Unsolvable(
+                "the focus lies between lines that leave no room in it. Choose a larger region"
+            )
     known = {tuple(point) for point in noded.xy[
         ((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()}
     corners = np.array([p for p in corners.tolist() if tuple(p) not in known]).reshape(-1, 2)

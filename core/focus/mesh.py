@@ -187,9 +187,11 @@ def frame_triangles(xy, segments):
     except ImportError:
         triangle = None
     if triangle is not None:
-        graph = {"vertices": xy, "segments": segments.astype(np.int32)}
+        graph = {"vertices": xy}
+        if len(segments):
+            graph["segments"] = segments.astype(np.int32)
         try:
-            found = triangle.triangulate(graph, "pQBP")
+            found = triangle.triangulate(graph, "pQBP" if len(segments) else "QBP")
             if len(found["vertices"]) == len(xy):
                 return _counter_clockwise(xy, found["triangles"].astype(np.int64))
         except RuntimeError:

@@ -110,10 +110,13 @@ def _turned(before, after, starts, lines):
                                 for k in lines])
     points, first, place = np.unique(before[rows], axis=0, return_index=True, return_inverse=True)
     number = dict(zip(rows.tolist(), place.ravel().tolist()))
+    number.update((starts[k + 1] - 1, number[starts[k]]) for k in lines)
     segments = [(number[a], number[b]) for a, b in zip(rows.tolist(), following.tolist())]
-    graph = {"vertices": points - points.mean(axis=0), "segments": np.array(segments, dtype=np.int32)}
+    points = (points - points.min(axis=0)) / (np.ptp(points, axis=0).max() or 1.0)
+    graph = {"vertices": points, "segments": np.array(segments, dtype=np.int32)}
     if len(lines) > 1:
-        holes = [shapely.Polygon(before[starts[k]:starts[k + 1]]) for k in lines[1:]]
+        rings = [[number[row] for row in range(starts[k], starts[k + 1])] for k in lines[1:]]
+        holes = [shapely.Polygon(points[ring]) for ring in rings]
         graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
     at = rows[first][triangle.triangulate(graph, "pQBPN")["triangles"]]
     sign = []
