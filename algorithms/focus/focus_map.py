@@ -34,7 +34,7 @@ from qgis.core import (
 from ..layers import wkb
 from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, style_on_load
-from ..dependencies import dependency_problem
+from ..dependencies import dependency_problem, install_hint
 from ..layers.wkb import REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
 
@@ -127,7 +127,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return "Enlarges a region of a map and keeps the shape of the rest."
 
     def canExecute(self):
-        problem = dependency_problem() or scipy_problem()
+        problem = dependency_problem() or scipy_problem() or engine_problem()
         return not problem, problem
 
     def initAlgorithm(self, configuration=None):
@@ -594,6 +594,20 @@ def scipy_problem():
             "Ubuntu: apt install python3-scipy)"
         )
     return ""
+
+
+def engine_problem():
+    """Return what to do if no engine can triangulate a whole frame, or ''."""
+    from importlib.util import find_spec
+
+    if find_spec("pythoncdt") or find_spec("triangle"):
+        return ""
+    import numpy
+
+    return (
+        "This tool needs the Python package pythoncdt or triangle. "
+        f"{install_hint(numpy.__version__, ['pythoncdt'])}"
+    )
 
 
 def _geometries(source, crs, context):

@@ -182,21 +182,43 @@ def frame_triangles(xy, segments):
     ------
     Unsolvable, MissingEngine
     """
-    try:
-        import triangle
-    except ImportError:
-        triangle = None
-    if triangle is not None:
-        graph = {"vertices": xy}
-        if len(segments):
-            graph["segments"] = segments.astype(np.int32)
+    for engine in (_by_triangle, _by_pythoncdt):
         try:
-            found = triangle.triangulate(graph, "pQBP" if len(segments) else "QBP")
-            if len(found["vertices"]) == len(xy):
-                return _counter_clockwise(xy, found["triangles"].astype(np.int64))
-        except RuntimeError:
-            pass
-    return _counter_clockwise(xy, _by_faces(xy, segments))
+            triangles = engine(xy, segments)
+        except ImportError:
+            continue
+        if triangles is not None:
+            return _counter_clockwise(xy, triangles)
+        raise Unsolvable("the map could not be triangulated (too fine for double precision)")
+    raise MissingEngine("the package pythoncdt or triangle is needed")
+
+
+def _by_triangle(xy, segments):
+    import triangle
+
+    graph = {"vertices": xy}
+    if len(segments):
+        graph["segments"] = segments.astype(np.int32)
+    try:
+        found = triangle.triangulate(graph, "pQBP" if len(segments) else "QBP")
+    except RuntimeError:  # its own checks failed
+        return None
+    return found["triangles"].astype(np.int64) if len(found["vertices"]) == len(xy) else None
+
+
+def _by_pythoncdt(xy, segments):
+    import pythoncdt
+
+    try:
+        found = pythoncdt.Triangulation(
+            pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+        )
+        found.insert_vertices(np.ascontiguousarray(xy))
+        found.insert_edges(segments.astype(np.uintc))
+        triangles = np.array(found.triangles_array(copy=True)["vertices"], dtype=np.int64)
+    except (RuntimeError, ValueError):
+        return None
+    return triangles[(triangles > 2).all(axis=1)] - 3  # the first three are its own
 
 
 def _counter_clockwise(xy, triangles):
@@ -206,36 +228,6 @@ def _counter_clockwise(xy, triangles):
     if (sign == 0).any() or len(np.unique(triangles)) < len(xy):
         raise Unsolvable("the map could not be triangulated (too fine for double precision)")
     return triangles
-
-
-def _by_faces(xy, segments):
-    """The same by scipy's Delaunay triangulation, and shapely's of the faces where segments cut it."""
-    from scipy.spatial import Delaunay
-
-    if not hasattr(shapely, "constrained_delaunay_triangles"):
-        raise MissingEngine(
-            f"the package triangle, or shapely 2.1 instead of {shapely.__version__}, is needed"
-        )
-    pairs = unique_pairs(Delaunay(xy).simplices[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy))
-    segments = unique_pairs(segments, len(xy))
-    n = len(xy)
-    new = pairs[~np.isin(pairs[:, 0] * n + pairs[:, 1], segments[:, 0] * n + segments[:, 1])]
-    one, other = shapely.STRtree(shapely.linestrings(xy[segments])).query(
-        shapely.linestrings(xy[new]), predicate="intersects"
-    )
-    shares = (new[one][:, :, None] == segments[other][:, None, :]).any(axis=(1, 2))
-    kept = np.ones(len(new), dtype=bool)
-    kept[one[~shares]] = False
-    lines = shapely.linestrings(xy[np.concatenate((new[kept], segments))])
-    faces = shapely.get_parts(shapely.polygonize(lines))
-    big = shapely.get_num_coordinates(faces) > 4
-    faces = np.concatenate((
-        faces[~big], shapely.get_parts(shapely.constrained_delaunay_triangles(faces[big]))
-    ))
-    corners = shapely.get_coordinates(faces).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-    key, corner = (np.ascontiguousarray(a).view(np.complex128).ravel() for a in (xy + 0.0, corners))
-    order = np.argsort(key)
-    return order[np.searchsorted(key, corner, sorter=order)].reshape(-1, 3)
 
 
 def turned(before, after, triangles, flat=FLAT):

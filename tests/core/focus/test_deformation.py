@@ -9,9 +9,8 @@ import shapely
 pytest.importorskip("scipy")
 
 from isthmus.tests.core.checker import dilations
+from isthmus.core.errors import MissingEngine
 from isthmus.core.focus import deformation, graph, hierarchy, measures, mesh, selection
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals
 
 from ..shapes import circle, tour
 from .verify import crossing_pairs
@@ -100,7 +99,7 @@ def test_node():
     assert len(noded.xy) == 9 and noded.xy[8] == pytest.approx((0.5, 0.5))
     expected = {(0, 4), (4, 8), (1, 8), (2, 8), (3, 8), (4, 5), (0, 6), (6, 7), (3, 7)}
     assert {tuple(e) for e in noded.edges.tolist()} == expected
-    assert noded.splits.tolist() == [[0, 1, 4], [0, 1, 8], [0, 3, 6], [0, 3, 7], [2, 3, 8]]
+    assert noded.splits.tolist() == [[0, 1, 4], [0, 1, 8], [2, 3, 8], [0, 3, 6], [0, 3, 7]]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -114,20 +113,27 @@ def test_node_leaves_no_crossing(seed):
     assert length(noded.xy, noded.edges) == pytest.approx(length(xy, edges))
 
 
-def test_frame_triangles_without_the_package_triangle(monkeypatch):
+@pytest.mark.parametrize("engine", ["triangle", "pythoncdt"])
+def test_frame_triangles(engine, monkeypatch):
+    """All points, all segments, and as many triangles as the convex hull has room for."""
+    pytest.importorskip(engine)
+    monkeypatch.setitem(sys.modules, {"triangle": "pythoncdt", "pythoncdt": "triangle"}[engine], None)
     rng = np.random.default_rng(2)
-    noded = mesh.node(rng.random((40, 2)), graph.unique_pairs(rng.integers(0, 40, (20, 2)), 40), nothing)
-    found = []
-    for name in ("triangle", "no triangle"):
-        if name != "triangle":
-            monkeypatch.setitem(sys.modules, "triangle", None)
-        triangles = mesh.frame_triangles(noded.xy, noded.edges)
-        assert (mesh.heights(noded.xy, triangles) > 0.0).all()
-        pairs = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-        pairs = {tuple(e) for e in graph.unique_pairs(pairs, len(noded.xy)).tolist()}
-        assert {tuple(e) for e in noded.edges.tolist()} <= pairs
-        found.append(len(triangles))
-    assert found[0] == found[1]
+    corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    edges = np.concatenate((
+        graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)]))
+    noded = mesh.node(np.concatenate((corners, rng.uniform(0.1, 0.9, (40, 2)))), edges, nothing)
+    triangles = mesh.frame_triangles(noded.xy, noded.edges)
+    assert len(triangles) == 2 * len(noded.xy) - 2 - 4 and (mesh.heights(noded.xy, triangles) > 0.0).all()
+    pairs = graph.unique_pairs(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(noded.xy))
+    assert {tuple(e) for e in noded.edges.tolist()} <= {tuple(e) for e in pairs.tolist()}
+
+
+def test_without_an_engine(monkeypatch):
+    for name in ("triangle", "pythoncdt"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingEngine, match="pythoncdt"):
+        mesh.frame_triangles(np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]), np.array([(0, 1)]))
 
 
 def coarse_of(seed, n=800):
@@ -200,10 +206,10 @@ def test_angular_distortion(turn):
 def test_greedy_is_greedy(seed):
     """Against the definition: add the diagonal of largest dilation, all distances from scratch."""
     shape = tour(seed, 24)
-    polygon = from_rings(shape.coords, shape.offsets)
+    polygon, edges = selection._candidates(shape.coords, shape.offsets)
     rows = np.empty(len(polygon.xy), dtype=int)
     rows[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
-    candidates = rows[diagonals(polygon)]
+    candidates = rows[edges]
     ring, chosen = [np.arange(24)], []
     while True:
         dilation = dilations(shape.coords, ring, chosen, candidates)
