@@ -11,8 +11,7 @@ region up to one translation, so all of it is exact.
 
 All triangles of the frame stand guard: each adds a little of |J|^2 / (2 det J) + (det J + 1 / det J) / 2,
 J being the matrix of its affine map, which is infinite where a triangle is flat. From the identity
-the focus grows by Newton steps, each of them no longer than half the way to the first triangle that
-would be flat (Smith and Schaefer 2015). So every state on the way is without a fold.
+the focus grows by Newton steps, none of which leaves a triangle less than `LEFT` of its area (Smith and Schaefer 2015). So every state on the way is without a fold.
 """
 
 from __future__ import annotations
@@ -23,12 +22,13 @@ from .mesh import heights
 
 __all__ = ["relax", "unbounded"]
 
-GUARD = 3e-4  # weight of the triangles beside that of the edges
+GUARD = 1e-4  # weight of the triangles beside that of the edges
 AREA = 0.5  # weight of the change of area beside that of the change of shape in a triangle
 THIN = 1e-11  # height of a triangle that the precision of the program does not reach
-LEFT = 0.2  # of a triangle's area, what a step must leave
+LEFT = 0.05  # of a triangle's area, what a step must leave
 STEPS = 150  # Newton steps before giving up
 LAST = 12  # of these, after the scale is reached
+SMALL = 1e-3  # share of the energy, below which a step is the last
 STUCK = 1e-4  # of the way, below which a step is none
 
 
@@ -114,7 +114,7 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
             idle = idle + 1 if gone < STUCK else 0
             if idle > 8:
                 break
-            short = done < 1.0 and length < 0.5
+            short = done < 1.0 and length < 0.1
             continue
         now, length = energy(jacobian, q), length
         decrement = force @ move
@@ -129,7 +129,7 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
         short = False
         if done == 1.0:
             last += 1
-            if -decrement < 1e-6 * now or last >= LAST:
+            if -decrement < SMALL * now or last >= LAST:
                 break
             short = True
     z = spread @ q + constant * done

@@ -77,6 +77,8 @@ def coarsen(xy, triangles, edges, removable, rigid, most, check):
     rng = np.random.default_rng(1)
     into, levels = np.arange(n), []
     alive = np.ones(n, dtype=bool)
+    if np.count_nonzero(removable) <= most:
+        rigid = np.zeros_like(rigid)  # a small map is solved for as it is
     tolerance = TINY
     while True:
         check()
