@@ -468,8 +468,8 @@ def focus_map():
         noted[selection] = {
             "command": done.command,
             "edges": found["EDGE_COUNT"],
-            "flipped": round(found["FLIPPED_AREA"], 4),
-            "median": round(found["MEDIAN_DISTORTION"], 2),
+            "median": round(found["MEDIAN_DISTORTION"], 1),
+            "high": round(found["HIGH_DISTORTION"]),
             "seconds": round(done.seconds, 1),
         }
         panels.append((f"Wales x 2, {title}", found["OUTPUT"], found["EDGES_USED"]))

@@ -11,7 +11,8 @@ region up to one translation, so all of it is exact.
 
 All triangles of the frame stand guard: each adds a little of |J|^2 / (2 det J) + (det J + 1 / det J) / 2,
 J being the matrix of its affine map, which is infinite where a triangle is flat. From the identity
-the focus grows by Newton steps, none of which leaves a triangle less than `LEFT` of its area (Smith and Schaefer 2015). So every state on the way is without a fold.
+the focus grows by Newton steps, none of which leaves a triangle less than `LEFT` of its area (the bound
+of Smith and Schaefer 2015). So every state on the way is without a fold.
 """
 
 from __future__ import annotations
