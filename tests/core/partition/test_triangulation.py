@@ -48,7 +48,8 @@ def check_triangulation(s, edges):
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", CASES)
-def test_a_triangulation(name, engine):
+def test_a_triangulation(name, engine, monkeypatch):
+    monkeypatch.setenv("ISTHMUS_ENGINE", engine)  # no other may take over
     check_triangulation(CASES[name], diagonals(from_rings(*CASES[name]), engine=engine))
 
 
@@ -63,8 +64,9 @@ def test_engines_agree_where_no_four_points_are_cocircular(seed):
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", CASES)
-def test_delaunay(name, engine):
+def test_delaunay(name, engine, monkeypatch):
     """No triangle sees the corner of its neighbour inside its circle; exact, of many collinear points too."""
+    monkeypatch.setenv("ISTHMUS_ENGINE", engine)
     polygon = from_rings(*CASES[name])
     found, _ = triangulate(polygon, engine=engine)
     opposite = {}
