@@ -73,6 +73,14 @@ def test_ties_are_broken_by_coordinates(name):
     assert spanning_tree(polygon, component, edges, length, wanted)[0].tolist() == sorted(expected)
 
 
+def test_the_tree_leaves_unwanted_components_out():
+    polygon, component, edges, length, wanted = prepared(shapes.TWO_HOLES)
+    wanted[2] = False
+    tree, apart = spanning_tree(polygon, component, edges, length, wanted)
+    assert apart.tolist() == [0]
+    assert sorted(polygon.ring_of_corner[edges[tree]].ravel().tolist()) == [0, 1]
+
+
 def test_holes_that_the_edges_do_not_connect():
     polygon, component, edges, length, wanted = prepared(shapes.TWO_HOLES)
     left = polygon.xy[edges].max(axis=(1, 2)) < 12
