@@ -227,7 +227,7 @@ def test_many_holes_take_time_in_proportion(tau):
         Counting.looks = 0
         dropped(prepared, selected, role, bound, limit, graph._replace(links=Counting(graph.links)))
         looks.append(Counting.looks)
-    assert looks[1] < 10 * looks[0]
+    assert looks[1] <= 10 * looks[0]  # none, where all edges are bridges
 
 
 # ---------------------------------------------------------------- a chunk of polygons
