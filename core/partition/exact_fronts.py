@@ -156,45 +156,46 @@ def _add(left_offer, left_demand, right_offer, right_demand, base, least, dear, 
     Offers are useful below the weight `dear` and within the limit, the cheapest always; demands below
     the weight `least`, if what they allow covers the reach.
     """
-    return (
-        _front(_sums(left_offer, right_offer, 0, 0, base, dear, limit, least)),
-        _front(
-            _sums(left_offer, right_demand, 0, len(right_offer), base, least, -reach, None)
-            + _sums(left_demand, right_offer, len(left_offer), 0, base, least, -reach, None)
-        ),
-    )
+    offer = _sums(left_offer, right_offer, 0, 0, base, dear, limit)
+    if not offer or offer[0][2:] != (0, 0):
+        (left_weight, left_value), (weight, value) = left_offer[0], right_offer[0]
+        offer.insert(0, (left_weight + weight, left_value + base + value, 0, 0))
+    demand = []
+    if right_demand:
+        demand += _sums(left_offer, right_demand, 0, len(right_offer), base, least, -reach)
+    if left_demand:
+        demand += _sums(left_demand, right_offer, len(left_offer), 0, base, least, -reach)
+    return _front(offer), _front(demand)
 
 
-def _sums(left, right, i, j, base, weight_cap, value_cap, least):
-    """Sums (weight, value, left point, right point) below the caps, and those of the least weight."""
+def _sums(left, right, i, j, base, weight_cap, value_cap):
+    """Sums (weight, value, left point, right point) below the caps, by their points."""
     if len(left) * len(right) > MANY:
-        return _many_sums(left, right, i, j, base, weight_cap, value_cap, least)
+        return _many_sums(left, right, i, j, base, weight_cap, value_cap)
     sums = []
     for at, (left_weight, left_value) in enumerate(left, i):
         left_value += base
         for partner, (weight, value) in enumerate(right, j):
             weight += left_weight
-            if weight >= weight_cap and weight != least:
+            if weight >= weight_cap:
                 break  # so do all that follow
             value += left_value
-            if value <= value_cap or weight == least:
+            if value <= value_cap:
                 sums.append((weight, value, at, partner))
     return sums
 
 
-def _many_sums(left, right, i, j, base, weight_cap, value_cap, least):
+def _many_sums(left, right, i, j, base, weight_cap, value_cap):
+    """The same without dominated ones, still by their points."""
     left_weight, left_value = np.array(left).T
     right_weight, right_value = np.array(right).T
     weight = left_weight[:, None] + right_weight
     value = (left_value + base)[:, None] + right_value
-    useful = (weight < weight_cap) & (value <= value_cap)
-    if least is not None:
-        useful |= weight == least
-    at, partner = np.nonzero(useful)
-    weight, value = weight[useful], value[useful]
+    at, partner = np.nonzero((weight < weight_cap) & (value <= value_cap))
+    weight, value = weight[at, partner], value[at, partner]
     order = np.lexsort((value, weight))
     best = np.minimum.accumulate(value[order])
-    order = order[np.append(True, best[1:] < best[:-1])] if len(order) else order
+    order = np.sort(order[np.diff(best, prepend=inf) < 0])
     columns = weight[order], value[order], at[order] + i, partner[order] + j
     return list(zip(*(x.tolist() for x in columns)))
 

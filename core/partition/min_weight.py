@@ -430,24 +430,28 @@ class _Pass:
         total = pareto.pair_count(front, left, right)
         parts = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, int))]
 
-        def collect(item, demand, i, j, weight, value):
-            order, seg = pareto.pareto(2 * item + demand, weight, value)
+        def collect(seg, i, j, weight, value):
+            order, seg = pareto.pareto(seg, weight, value)
             parts.append((seg, weight[order], value[order], i[order], j[order]))
 
         few = np.flatnonzero(total <= pareto.DENSE)
-        for item, demand, i, j in pareto.small_pairs(front, left, right, few):
+        for demand, item, i, row, j in pareto.small_pairs(front, left, right, few):
             self.check()
-            weight = front.weight[i] + front.weight[j]
-            value = (front.value[i] + base[item]) + front.value[j]
-            kind = demand.astype(np.int8)
-            useful = (value <= value_cap[kind, item]) & (weight < weight_cap[kind, item])
-            useful |= ~demand & (weight == least[item])
+            weight = front.weight[i][row] + front.weight[j]
+            value = (front.value[i] + base[item])[row] + front.value[j]
+            useful = value <= value_cap[int(demand), item][row]
+            useful &= weight < weight_cap[int(demand), item][row]
+            if not demand:
+                first = np.flatnonzero(np.diff(item, prepend=-1))
+                useful[np.searchsorted(row, first)] = True
             k = np.flatnonzero(useful)
-            collect(item[k], kind[k], i[k], j[k], weight[k], value[k])
+            row = row[k]
+            collect((2 * item + demand)[row], i[row], j[k], weight[k], value[k])
         for item in np.flatnonzero(total > pareto.DENSE):
-            found = pareto.dense_pairs(front, left[item], right[item], base[item], value_cap[:, item],
-                                       weight_cap[:, item], least[item], self.check)  # fmt: skip
-            collect(np.full(len(found[0]), item), *found)
+            demand, *found = pareto.dense_pairs(
+                front, left[item], right[item], base[item], value_cap[:, item], weight_cap[:, item], self.check
+            )
+            collect(2 * item + demand, *found)
         seg, weight, value, i, j = (np.concatenate(x) for x in zip(*parts))
         if len(parts) > 2:
             order = np.argsort(seg, kind="stable")
@@ -646,16 +650,19 @@ class _Pass:
         bound = np.full(len(front.weight), np.inf)
         total = pareto.pair_count(front, left, right)
         few = np.flatnonzero(total <= pareto.DENSE)
-        for item, demand, i, j in pareto.small_pairs(front, left, right, few):
+        for demand, item, i, row, j in pareto.small_pairs(front, left, right, few):
             self.check()
-            k = np.flatnonzero(front.weight[i] + front.weight[j] < room[item])
-            item, demand, i, j = item[k], demand[k], i[k], j[k]
-            more = rest(2 * item + demand, (front.value[i] + base[item]) + front.value[j])
-            if len(i):
-                run = np.flatnonzero(np.append(True, i[1:] != i[:-1]))
+            left_weight = front.weight[i]
+            k = np.flatnonzero(left_weight[row] + front.weight[j] < room[item][row])
+            row, j = row[k], j[k]
+            value = (front.value[i] + base[item])[row] + front.value[j]
+            more = rest((2 * item + demand)[row], value)
+            if len(k):
+                run = np.flatnonzero(np.diff(row, prepend=-1))
                 best = np.minimum.reduceat(more + front.weight[j], run)
-                bound[i[run]] = np.minimum(bound[i[run]], best)
-            np.minimum.at(bound, j, more + front.weight[i])
+                at = i[row[run]]
+                bound[at] = np.minimum(bound[at], best)
+            np.minimum.at(bound, j, more + left_weight[row])
         for item in np.flatnonzero(total > pareto.DENSE):
             for demand, x, y in pareto.blocks(front, left[item], right[item]):
                 self.check()
