@@ -88,9 +88,10 @@ def _fronts(columns, trees, room, check):
     for e in range(n - 1, -1, -1):
         end -= count[e]
         below = fronts[end : end + count[e]]
-        fronts[end : end + count[e]] = [None] * count[e]
         if None in below:
             continue  # a front was too long
+        for child in range(end, end + count[e]):
+            fronts[child] = None
         steps += 10 + max(map(_size, below), default=0)
         if steps > STEPS:
             steps = 0
@@ -120,15 +121,30 @@ def _size(front):
     return len(front[0]) + len(front[1])
 
 
-NEUTRAL = [(0.0, 0.0)], []
-
-
 def _add_children(fronts, base, weight, limit, reach, room):
     """Useful sums over the children, in rounds of pairs: offers, demands, and where more than two
     children were added up, the points of the children below the last left and right points.
 
     Each sum is (weight, value, left point, right point). None if a front on the way is too long.
     """
+    if not fronts:
+        return [(0.0, base, 0, 0)], [], None
+    if len(fronts) == 1:  # most nodes of deep trees
+        offer, demand = fronts[0]
+        least = offer[0][0]
+        return (
+            _front([
+                (w, v + base, i, 0)
+                for i, (w, v) in enumerate(offer)
+                if not i or w < least + weight and v + base <= limit
+            ]),
+            _front([
+                (w, v + base, i, 0)
+                for i, (w, v) in enumerate(demand, len(offer))
+                if w < least and v + base <= -reach
+            ]),
+            None,
+        )  # fmt: skip
     ways = [[(k,) for k in range(_size(front))] for front in fronts] if len(fronts) > 2 else None
     while len(fronts) > 2:
         joined, joined_ways = [], []
@@ -142,9 +158,7 @@ def _add_children(fronts, base, weight, limit, reach, room):
             base = 0.0
         odd = len(fronts) & ~1
         fronts, ways = joined + fronts[odd:], joined_ways + ways[odd:]
-    left, right = [*fronts, NEUTRAL, NEUTRAL][:2]
-    if not (left[0] and right[0]):
-        return None
+    left, right = fronts
     least = left[0][0][0] + right[0][0][0]
     offer, demand = _add(*left, *right, base, least, least + weight, limit, reach)
     return offer, demand, ways

@@ -34,7 +34,6 @@ SMALL = 1000  # nodes up to which this is tried on a tree of any shape
 NARROW = 20  # ... and nodes per level
 FIRST_POINTS = 96  # points per front in the first lower-bound pass
 GROWTH = 3  # largest factor on the points from pass to pass
-SPARE = 1.2  # factor on the number of points that the last gap lets expect to be enough
 # Microseconds of an exact pass: a node by itself; a level, and a node in it
 BY_NODE, BY_LEVEL, IN_LEVEL = 10.0, 600.0, 1.5
 
@@ -721,14 +720,16 @@ class _Search:
         while self._keep(~best.proven[self.trees]):
             lower = self._pass(self.points, True, best.target[self.trees])
             best.offer_bound(self.trees, lower.bound)
-            if best.proven[self.trees].all():
+            open_still = ~best.proven[self.trees]
+            if not open_still.any():
                 return
-            # guided real points err less than optimistic ones: half as many do
-            enough = np.where(lower.trimmed, self.points // 2, self.points)
-            last = ~lower.trimmed | (self.points >= self.max_points)
+            trimmed = lower.trimmed[open_still]
             self.guide = lower.bound_rest(best.cost[self.trees])
             del lower
-            self._solution(enough)
+            self._keep(open_still)
+            # guided real points err less than optimistic ones: half as many do
+            self._solution(np.where(trimmed, self.points // 2, self.points))
+            last = ~trimmed | (self.points >= self.max_points)
             self.points = self._more_points()
             self._keep(~last)
 
@@ -746,8 +747,8 @@ class _Search:
         self.best.offer_bound(self.trees[exact], solved.bound[exact])
 
     def _more_points(self):
-        """The bound errs about as 1 / points."""
-        factor = SPARE * self.best.gap[self.trees] / self.best.max_gap
+        """As many as the last gap lets expect to be enough: it falls at least as 1 / points."""
+        factor = self.best.gap[self.trees] / self.best.max_gap
         more = self.points * np.clip(factor, 1.0, GROWTH) + 1
         return np.minimum(more.astype(np.int64), self.max_points)
 
