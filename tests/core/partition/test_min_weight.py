@@ -189,7 +189,7 @@ def some_trees(seed):
         else:
             s = shapes.tour(at, int(rng.integers(3, 90)))
         min_length = float(rng.choice([0.0, 1.5e5])) if kind == 3 else 0.0  # faces of many edges
-        prepared = prepare(*s, min_length=min_length)
+        prepared = stages.prepared(s, min_length=min_length)
         weight = node_weights(prepared, rng.choice(["length", "real", "tied"]), at)
         trees.append((prepared.carved.net, weight, float(rng.choice(TAUS))))
     return trees
@@ -214,7 +214,7 @@ def test_a_tree_does_not_depend_on_those_beside_it(seed, gap, settings, monkeypa
 
 def test_a_forest_of_solved_trees_and_one_that_is_not():
     """Trees leave the search one by one, and some need none of it."""
-    hard = prepare(*outline())
+    hard = stages.prepared(outline())
     trees = [(hard.carved.net, node_weights(hard, "length", 0), 4.0), *some_trees(1)]
     alone = [min_weight(*tree, 0.05) for tree in trees]
     net, places = stacked([tree[0] for tree in trees] + [trees[0][0]])
@@ -231,7 +231,7 @@ def test_a_forest_of_solved_trees_and_one_that_is_not():
 
 def test_deep_trees_give_the_same_node_by_node_and_level_by_level(monkeypatch):
     monkeypatch.setattr(solver, "SMALL", 100)
-    prepared = prepare(*shapes.spiral(8))
+    prepared = stages.prepared(shapes.spiral(8))
     net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
     assert solver.NARROW * len(net.tree.level_start) > len(weight) > solver.SMALL
     cut, bound = min_weight(net, weight, 3.0, 0.0)
@@ -249,7 +249,7 @@ def test_a_better_solution_counts_even_if_it_is_not_a_whole_gap_better(points, m
     """Passes that only kept what is better by the gap missed the optimum here, at any number of points."""
     monkeypatch.setattr(solver, "FIRST_POINTS", 3)
     monkeypatch.setattr(solver, "ROOM", 2)
-    prepared = prepare(*shapes.tour(27, 100))
+    prepared = stages.prepared(shapes.tour(27, 100))
     net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
     best = weight[min_weight(net, weight, 3.0, 0.0)[0]].sum()
     found = weight[min_weight(net, weight, 3.0, 0.02, max_points=points)[0]].sum()
@@ -257,7 +257,7 @@ def test_a_better_solution_counts_even_if_it_is_not_a_whole_gap_better(points, m
 
 
 def test_checks_come_often_and_progress_never_falls():
-    prepared = prepare(*outline())
+    prepared = stages.prepared(outline())
     net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
     shares, times = [], [time.process_time()]
 
