@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from array import array
 from math import inf
+from typing import Callable
 
 import numpy as np
 
@@ -19,7 +20,16 @@ MANY = 2000  # pairs of points from which on numpy adds them up faster
 STEPS = 20_000  # pairs of points, or so, between two checks
 
 
-def cheapest_by_node(count, trees, length, base, weight, limit, room, check):
+def cheapest_by_node(
+    count: np.ndarray,
+    trees: int,
+    length: np.ndarray,
+    base: np.ndarray,
+    weight: np.ndarray,
+    limit: np.ndarray,
+    room: int,
+    check: Callable,
+) -> tuple[np.ndarray, np.ndarray]:
     """Cheapest assignments of trees whose fronts have at most `room` points.
 
     Parameters

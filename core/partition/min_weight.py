@@ -17,13 +17,13 @@ the best known; for a bound, what is above the target.
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
 from . import pareto
 from .exact_fronts import cheapest_by_node
-from .min_size import SLACK
+from .min_size import SLACK, Network
 from ..progress import ignore
 
 __all__ = ["min_weight"]
@@ -33,14 +33,22 @@ ROOM = 512  # points on a front up to which trees are solved exactly at once
 SMALL = 1000  # nodes up to which this is tried on a tree of any shape
 NARROW = 20  # ... and nodes per level
 FIRST_POINTS = 96  # points per front in the first lower-bound pass
-GROWTH = 3  # largest factor on the points from pass to pass
+GROWTH = 20  # largest factor on the points from pass to pass
 # Microseconds of an exact pass: a node by itself; a level, and a node in it
 BY_NODE, BY_LEVEL, IN_LEVEL = 10.0, 600.0, 1.5
 
 
 def min_weight(
-    net, weight, tau, max_gap=0.001, start=None, time_limit=None, check=None, max_points=4096
-):
+    net: Network,
+    weight: np.ndarray,
+    tau: float | np.ndarray,
+    *,
+    max_gap: float = 0.001,
+    start: np.ndarray | None = None,
+    time_limit: float | None = None,
+    check: Callable | None = None,
+    max_points: int = 4096,
+) -> tuple[np.ndarray, np.ndarray]:
     """Select candidate edges of least total weight such that every one has a witness.
 
     A forest of P trees is P problems; the cuts of a tree do not depend on the trees beside it.
@@ -85,6 +93,21 @@ def min_weight(
     -----
     A pass with at most K points per front takes O(n K^2 log K) time at worst. An exact pass over
     polygons with short fronts takes microseconds a node.
+
+    Examples
+    --------
+    Two candidates, one below the other. Around the lower one it is 10, 3.3 times its length; with it
+    selected, it is 2 + 3 around the upper one, 1.25 times its length:
+
+    >>> import numpy as np
+    >>> from isthmus.core.partition.dual_tree import DualTree
+    >>> from isthmus.core.partition.min_size import Network
+    >>> tree = DualTree(np.array([-1, 0, 1]), np.array([0, 1, 2, 3]), np.arange(2), np.zeros(0, int))
+    >>> net = Network(tree, np.array([9.0, 4.0, 3.0]), np.array([30.0, 2.0, 10.0]))
+    >>> min_weight(net, net.length, 2.0, max_gap=0.0)
+    (array([False, False,  True]), array([3.]))
+    >>> min_weight(net, net.length, 3.5, max_gap=0.0)
+    (array([False, False, False]), array([0.]))
     """
     check = check or ignore
     deadline = np.inf if time_limit is None else time.monotonic() + time_limit
@@ -747,7 +770,10 @@ class _Search:
         self.best.offer_bound(self.trees[exact], solved.bound[exact])
 
     def _more_points(self):
-        """As many as the last gap lets expect to be enough: it falls at least as 1 / points."""
+        """As many as the last gap lets expect to be enough: it falls about as 1 / points.
+
+        A pass less is worth more than a finer guide: coasts were measured to need 0.86 of the time.
+        """
         factor = self.best.gap[self.trees] / self.best.max_gap
         more = self.points * np.clip(factor, 1.0, GROWTH) + 1
         return np.minimum(more.astype(np.int64), self.max_points)

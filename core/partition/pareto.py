@@ -19,7 +19,7 @@ import numpy as np
 
 __all__ = [
     "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
-    "offsets", "pack", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
+    "offsets", "pack", "pair_count", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
 ]  # fmt: skip
 
 CHUNK = 1 << 18  # pairs of points handled in one numpy call

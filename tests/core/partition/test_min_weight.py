@@ -118,7 +118,7 @@ def test_any_root_edge_and_any_trimming_give_the_same(seed, settings):
             for shift in (0, 17, 41):
                 net, edge = rerooted(prepared, shift)
                 own = np.append(0.0, weight[edge])
-                cut, bound = min_weight(net, own, tau, 0.0)
+                cut, bound = min_weight(net, own, tau, max_gap=0.0)
                 assert_feasible(net, cut, tau)
                 costs += [own[cut].sum(), bound]
             assert costs == pytest.approx([costs[0]] * 6, rel=1e-9, abs=1e-12), (seed, kind, tau)
@@ -198,14 +198,14 @@ def some_trees(seed):
 @pytest.mark.parametrize("seed, gap", [(0, 0.0), (1, 0.1), (2, 0.0), (3, 0.1), (5, 0.0), (6, 0.1)])
 def test_a_tree_does_not_depend_on_those_beside_it(seed, gap, settings, monkeypatch):
     trees = some_trees(seed)
-    alone = [min_weight(net, weight, tau, gap) for net, weight, tau in trees]
+    alone = [min_weight(net, weight, tau, max_gap=gap) for net, weight, tau in trees]
     net, places = stacked([net for net, _, _ in trees])
     weight, tau = np.empty(len(net.length)), np.empty(len(net.length))
     for at, (_, w, t) in zip(places, trees):
         weight[at], tau[at] = w, t
     for by_node in (0.0, 50.0, 1e9):  # all exact passes node by node, some, none
         monkeypatch.setattr(solver, "BY_NODE", by_node)
-        cut, bound = min_weight(net, weight, tau, gap)
+        cut, bound = min_weight(net, weight, tau, max_gap=gap)
         assert bound.tolist() == [lower[0] for _, lower in alone]
         for at, (own, _), (single, _, t) in zip(places, alone, trees):
             assert (cut[at] == own).all()
@@ -216,13 +216,13 @@ def test_a_forest_of_solved_trees_and_one_that_is_not():
     """Trees leave the search one by one, and some need none of it."""
     hard = stages.prepared(outline())
     trees = [(hard.carved.net, node_weights(hard, "length", 0), 4.0), *some_trees(1)]
-    alone = [min_weight(*tree, 0.05) for tree in trees]
+    alone = [min_weight(*tree, max_gap=0.05) for tree in trees]
     net, places = stacked([tree[0] for tree in trees] + [trees[0][0]])
     weight, tau = np.empty(len(net.length)), np.empty(len(net.length))
     for at, (_, w, t) in zip(places, [*trees, trees[0]]):
         weight[at], tau[at] = w, t
     tau[places[-1]] = 2.0  # the same polygon, proven sooner
-    cut, bound = min_weight(net, weight, tau, 0.05)
+    cut, bound = min_weight(net, weight, tau, max_gap=0.05)
     for at, (own, lower), found in zip(places, alone, bound):
         assert (cut[at] == own).all() and lower[0] == found
     assert 9119.6047 * 0.95 <= bound[-1] <= 9119.6048
@@ -234,11 +234,11 @@ def test_deep_trees_give_the_same_node_by_node_and_level_by_level(monkeypatch):
     prepared = stages.prepared(shapes.spiral(8))
     net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
     assert solver.NARROW * len(net.tree.level_start) > len(weight) > solver.SMALL
-    cut, bound = min_weight(net, weight, 3.0, 0.0)
+    cut, bound = min_weight(net, weight, 3.0, max_gap=0.0)
     assert weight[cut].sum() == pytest.approx(bound[0], rel=1e-9)
     for name, value in (("BY_NODE", 1e9), ("NARROW", 0)):  # level by level; by the search
         monkeypatch.setattr(solver, name, value)
-        again, same = min_weight(net, weight, 3.0, 0.0)
+        again, same = min_weight(net, weight, 3.0, max_gap=0.0)
         assert weight[again].sum() == pytest.approx(weight[cut].sum(), rel=1e-12)
         assert same[0] == pytest.approx(bound[0], rel=1e-9)
         assert name == "NARROW" or (again == cut).all()
@@ -251,8 +251,8 @@ def test_a_better_solution_counts_even_if_it_is_not_a_whole_gap_better(points, m
     monkeypatch.setattr(solver, "ROOM", 2)
     prepared = stages.prepared(shapes.tour(27, 100))
     net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
-    best = weight[min_weight(net, weight, 3.0, 0.0)[0]].sum()
-    found = weight[min_weight(net, weight, 3.0, 0.02, max_points=points)[0]].sum()
+    best = weight[min_weight(net, weight, 3.0, max_gap=0.0)[0]].sum()
+    found = weight[min_weight(net, weight, 3.0, max_gap=0.02, max_points=points)[0]].sum()
     assert found == pytest.approx(best, rel=1e-12)
 
 
@@ -266,7 +266,7 @@ def test_checks_come_often_and_progress_never_falls():
         if share is not None:
             shares.append(share)
 
-    min_weight(net, weight, 4.0, 0.01, check=check)
+    min_weight(net, weight, 4.0, max_gap=0.01, check=check)
     assert shares == sorted(shares) and shares[-1] == 1.0
     assert max(np.diff(times)) < 0.5
 
@@ -283,8 +283,8 @@ def test_a_solution_to_begin_with_is_never_made_worse():
     prepared = stages.prepared(shapes.tour(3, 40))
     net = prepared.carved.net
     weight = np.append(0.0, prepared.length[prepared.carved.node_edge])
-    best, bound = min_weight(net, weight, 2.0, 0.0)
-    cut, _ = min_weight(net, weight, 2.0, 1.0, start=best)
+    best, bound = min_weight(net, weight, 2.0, max_gap=0.0)
+    cut, _ = min_weight(net, weight, 2.0, max_gap=1.0, start=best)
     assert (cut == best).all()
     assert bound <= weight[min_size(net, 2.0) == SELF].sum()
 
