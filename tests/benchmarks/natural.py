@@ -264,9 +264,9 @@ def measured_necks():
         real = [best[name] for name in best if name not in canals or label == "QGIS's map"]
         total[0].append(f"{np.mean([same >= 0.75 for _, same in real]):.0%}")
         total[1].append(f"{np.mean([away <= 60.0 for away, _ in real]):.0%}")
-    print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the coast in "
-          "common with what the neck holds (of the coast that either has), and how far the ends of the nearest "
-          "cut lie from the place; to reach: 90 %")
+    print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
+          "coast in common with what the neck holds (of the coast that either has), and how far the ends of "
+          "the nearest cut lie from the place; to reach: 90 %")
     table(("neck", *maps), [
         *rows.values(), ["**three quarters of the coast in common**", *total[0]],
         ["**ends within 60 km**", *total[1]],
