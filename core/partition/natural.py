@@ -30,11 +30,11 @@ from .polygon import Polygons
 from ..metric import Metric
 from ..rings import following, groups
 
-__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "USED", "bends",
+__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED", "bends",
            "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
-KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
+RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
 
 LEVELS = 8  # classes of small detail, each a quarter of the next
 DETAIL = 0.02  # detail below this share of the smallest part is not measured ...
