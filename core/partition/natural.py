@@ -117,7 +117,8 @@ def natural(
         Where the vertices are for ``measure.length``: in the plane, or geocentric.
     measure : metric.Metric
     smallest : (p,) float
-        Area of the smallest part of each polygon, in the units of ``measure.equal_area``.
+        Area of the smallest part of each polygon, in the units of ``measure.equal_area`` of
+        ``polygons.xy``; lengths in the result are those of ``position``: neither knows ``unit``.
 
     Returns
     -------
