@@ -336,8 +336,8 @@ def _deep(nodes, depth, easy):
 def _exact_by_node(forest, best, share):
     before = best.share
 
-    def check(done):
-        best.report(before + share * done)
+    def check(done=None):
+        best.check() if done is None else best.report(before + share * done)
 
     return cheapest_by_node(
         forest.count, forest.trees, forest.length, forest.base, forest.weight, forest.limit, ROOM, check
