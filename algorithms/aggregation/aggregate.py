@@ -449,7 +449,7 @@ class _Run:
             areas.size, cls, areas.place, pairs[~alone], length[~alone], padded,
             np.append(theta, np.inf), self.number(tool.WEIGHT_CHANGE),
             self.number(tool.WEIGHT_BOUNDARY), self.number(tool.WEIGHT_CENTRE),
-            self.choice(tool.BOUNDARY) == "classes",
+            self.choice(tool.BOUNDARY) == "classes", areas.spread,
         )
         self._refuse_endless_costs()
 

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import MissingEngine
 from .greedy import greedy, helpless
 from .instance import (
-    Solution, build, components, connected_parts, costs, enough, problems, shares, solution,
+    Solution, build, components, connected_parts, costs, each_share, enough, problems, shares, solution,
 )
 
 __all__ = ["Exact", "exact", "require_highs"]
@@ -120,7 +120,7 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
         proven &= solved
         rounds += tried
     found = _numbered(problem, core_of)
-    bound += _constant(problem, big | lost, core_of, lost)
+    bound += _constant(problem, big, core_of, lost)
     if not proven or problems_of(problem, found, lost):
         other = begin or greedy(problem)
         cheaper = costs(problem, other).total < costs(problem, found).total
@@ -146,9 +146,10 @@ def _numbered(problem, core_of):
     return mine if worse else other
 
 
-def _constant(problem, fixed, core_of, lost):
+def _constant(problem, big, core_of, lost):
     """Cost that no choice changes: of areas fixed beforehand, and between them."""
-    total = 0.0
+    fixed, own = big | lost, np.flatnonzero(big)
+    total = float(each_share(problem, own, own).sum())
     if lost.any():
         for u in np.unique(core_of[lost]):
             members = np.flatnonzero((core_of == u) & lost)
@@ -377,7 +378,7 @@ class _Part:
         areas = np.array(self.areas)
         part = build(
             p.size[areas], p.cls[areas], p.place[areas], pairs, [e[2] for e in self.edges],
-            p.distance, p.theta, p.change, p.boundary, p.centre, p.by_class,
+            p.distance, p.theta, p.change, p.boundary, p.centre, p.by_class, p.spread[areas],
         )
         found = greedy(part)
         core = areas[found.core]

@@ -150,11 +150,14 @@ def reach_count(problem, found, count, check=None):
     def cost_of(r):
         return float(shares(problem, groups[r], np.array([core[r]])).sum())
 
+    def kept_of(v):
+        return problem.cls[core[int(region[v])]]
+
     def offer(r):
         if lost[core[r]]:
             return
         if len(core) < count:
-            split = best_split(problem, adjacent, groups[r], core[r])
+            split = best_split(problem, adjacent, groups[r], core[r], kept_of)
             if split is not None:
                 heapq.heappush(heap, (split[0], r, len(groups[r]), -1, 0, split[1], split[2]))
             return
@@ -201,7 +204,7 @@ def reach_count(problem, found, count, check=None):
     return solution(problem, region)
 
 
-def best_split(problem, adjacent, members, core, most=24):
+def best_split(problem, adjacent, members, core, kept, most=24):
     """Return the cheapest way to split a region in two that are both large enough.
 
     Parameters
@@ -209,6 +212,8 @@ def best_split(problem, adjacent, members, core, most=24):
     members : (m,) int
     core : int
         The one keeps this core.
+    kept : callable
+        Class of the region of an area: asked where only boundaries between classes count.
     most : int
         How many areas, the largest first, are tried as the core of the other.
 
@@ -239,16 +244,23 @@ def best_split(problem, adjacent, members, core, most=24):
         if sum(size[v] for v in rest) < theta[core]:
             continue
         cost = sum(gain_of[v] for v in part)
-        if not (problem.by_class and problem.cls[u] == problem.cls[core]):
-            cost += problem.boundary * sum(
-                problem.length[slot]
-                for v in part
-                for slot in range(problem.start[v], problem.start[v + 1])
-                if int(problem.neighbour[slot]) in rest
-            )
+        cost += problem.boundary * _split_boundary(problem, part, rest, u, core, kept)
         if best is None or cost < best[0]:
             best = (float(cost), sorted(part), u)
     return best
+
+
+def _split_boundary(problem, part, rest, u, core, kept):
+    """Length of boundary that a part adds when it leaves a region and gets the core u."""
+    own, old, added = problem.cls[u], problem.cls[core], 0.0
+    for v in part if not problem.by_class or own != old else ():
+        for slot in range(problem.start[v], problem.start[v + 1]):
+            x, length = int(problem.neighbour[slot]), float(problem.length[slot])
+            if x in rest:
+                added += length
+            elif problem.by_class and x not in part:
+                added += length * (int(kept(x) != own) - int(kept(x) != old))
+    return added
 
 
 def _grow(adjacent, inside, gain, size, u, core, theta):

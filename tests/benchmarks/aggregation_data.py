@@ -79,7 +79,12 @@ def problem_of(shapes, classes, codes, distance, theta, **weights):
     size, moment = coverage.centroids(cover, cover.coords, len(shapes))
     place = (moment[:, 0] + 1j * moment[:, 1]) / size
     cls = np.searchsorted(codes, classes)
-    return instance.build(size, cls, place, pairs, length, distance, theta, **weights)
+    centre = np.column_stack((place.real, place.imag))
+    rows = np.repeat(cover.ring_polygon, np.diff(cover.offsets))
+    spread = coverage.spreads(cover, cover.coords - centre[rows], np.arange(len(shapes)))
+    return instance.build(
+        size, cls, place, pairs, length, distance, theta, spread=spread, **weights
+    )
 
 
 def buchholz(**weights):
