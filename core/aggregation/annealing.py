@@ -46,7 +46,7 @@ class Schedule(NamedTuple):
     """
 
     hot: float = 10.0
-    warm: float = 1.0
+    warm: float = 2.0
     cold: float = 0.03
     soft: float = 0.3
     hard: float = 30.0
