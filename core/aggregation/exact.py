@@ -277,24 +277,28 @@ class _Part:
             if answer is None:
                 return bound
             value, x, reduced = answer
-            absent = np.where(possible & ~chosen, reduced, np.inf)
-            bound = max(bound, value + np.minimum(absent.min(axis=1), 0.0).sum() - 1e-9 * abs(value))
             best = self._cost_of(self.chosen)
-            wanted = absent < -1e-7 * best
+            reduced[~possible] = np.inf
+            least = np.minimum(reduced.min(axis=1), 0.0)
+            value += least.sum()
+            bound = max(bound, value)
+            wanted = ~chosen & (reduced < -1e-7 * best)
             if wanted.any():
                 chosen |= wanted
                 continue
             # pairs that cost more than the gap are in no better solution
-            far = possible & (value + reduced > best * (1.0 + 1e-7))
+            far = possible & (value - least[:, None] + reduced > best * (1.0 + 1e-7))
             far[:, far[self.own, np.arange(k)]] = True
             possible &= ~far
             chosen &= possible
-            if bound >= best * (1.0 - 1e-7) and self._adopt(x):
-                return min(best, self._cost_of(self.chosen))
+            if self._adopt(x):
+                best = self._cost_of(self.chosen)
+            if bound >= best * (1.0 - 1e-7):
+                return best
             before = len(self.cuts)
             self.cuts.update(self._separate(x, LEVELS))
             few = possible.sum() <= LARGEST_INTEGER
-            if len(self.cuts) == before or (few and value < last * (1.0 + 1e-3)):
+            if len(self.cuts) == before or (few and value < last * (1.0 + 2e-4)):
                 if few or len(self.cuts) == before:
                     break
             last = value
@@ -303,12 +307,12 @@ class _Part:
         return bound
 
     def _adopt(self, x):
-        """Take a solution of the relaxation if it is one in integers, or keep what costs no more."""
+        """Take a solution of the relaxation if it is one in integers, and costs less."""
         chosen = np.argmax(x, axis=1)
-        if x.max(axis=1).min() > 1.0 - 1e-6 and self._feasible(chosen):
-            if self._cost_of(chosen) < self._cost_of(self.chosen):
-                self.chosen = chosen
-        return True
+        better = self._cost_of(chosen) < self._cost_of(self.chosen) and self._feasible(chosen)
+        if better:
+            self.chosen = chosen
+        return better
 
     def _first_pairs(self):
         """The pairs to begin with: cheap ones, areas around each core, and what is known to fit."""
@@ -331,7 +335,9 @@ class _Part:
         return first
 
     def _matrix(self, chosen):
-        """Rows (at most 0) and columns of the programme for the chosen pairs.
+        """Rows and columns of the programme for the chosen pairs.
+
+        Rows are at most 0; but the last one, the number of cores, is at most `_most`.
 
         Returns
         -------
@@ -372,9 +378,17 @@ class _Part:
         ))
         blocks.append(sparse.csr_matrix((self._needs()[v, j], (j, np.arange(x))), shape=(k, total)))
         blocks.append(self._cut_rows(place, total))
+        free = place[self.own, np.arange(k)][self.own < self.free]
+        free = free[free >= 0]
+        blocks.append(sparse.csr_matrix(
+            (np.ones(len(free)), (np.zeros(len(free), dtype=np.int64), free)), shape=(1, total)
+        ))
         one = sparse.csr_matrix((np.ones(x), (v, np.arange(x))), shape=(n, total))
         cost = np.concatenate((np.where(v < self.free, self.cost[chosen], 0.0), self.price[edge]))
         return cost, sparse.vstack(blocks).tocsr(), one, place, edge, kind
+
+    def _high(self, rows):
+        return np.append(np.zeros(rows.shape[0] - 1), self._most())
 
     def _cut_rows(self, place, total):
         """Rows of the cuts; which row each has is remembered."""
@@ -397,11 +411,21 @@ class _Part:
     def _needs(self):
         """(n, k): what each area adds to the row of each core's threshold."""
         n, k = self.cost.shape
-        theta = np.where(self.theta > 0.0, self.theta, np.inf)
-        needs = -self.size[:, None] / theta
-        needs[self.own, np.arange(k)] += self.theta > 0.0
+        # of what the core lacks, no area gives more than all
+        lack = self.theta - self.size[self.own]
+        lack[enough(self.size[self.own], self.theta)] = np.inf
+        needs = -np.minimum(self.size[:, None] / lack, 1.0)
+        needs[self.own, np.arange(k)] = np.isfinite(lack)
         needs[self.free:] = 0.0
         return needs
+
+    def _most(self):
+        """How many cores there is room for among the free areas."""
+        free = self.own < self.free
+        least = self.theta[free].min(initial=np.inf)
+        if not 0.0 < least < np.inf:
+            return float(free.sum())
+        return float(np.floor(self.size[:self.free].sum() / least * (1.0 + 1e-9)))
 
     def _relaxed(self, chosen, until):
         """Solve the relaxation for the chosen pairs.
@@ -409,6 +433,8 @@ class _Part:
         Returns
         -------
         value : float
+            Together with the least reduced cost of each area, where that is negative, a lower bound,
+            by the dual prices alone, however well they were computed.
         x : (n, k) float
         reduced : (n, k) float
             Reduced costs of all pairs, those that were left out, too.
@@ -418,20 +444,23 @@ class _Part:
         self.rounds += 1
         unit = max(np.abs(cost).max() / 100.0, 1e-300)
         left = max(until - perf_counter(), 0.1)
-        answer = linprog(
-            cost / unit, rows, np.zeros(rows.shape[0]), one, np.ones(n), bounds=(0.0, None),
-            method="highs-ds", options={"time_limit": left},
-        )
+        for presolve in (True, False):
+            answer = linprog(
+                cost / unit, rows, self._high(rows), one, np.ones(n), bounds=(0.0, None),
+                method="highs-ds", options={"time_limit": left, "presolve": presolve},
+            )
+            if answer.status < 2:  # the presolve of HiGHS 1.2 (scipy 1.10) takes some for unbounded
+                break
         if answer.status != 0:
             return None
-        dual = answer.ineqlin.marginals * unit
+        dual = np.minimum(answer.ineqlin.marginals, 0.0) * unit
         reduced = np.where(np.arange(n)[:, None] < self.free, self.cost, 0.0)
         reduced = reduced - (answer.eqlin.marginals * unit)[:, None]
         by_kind = np.zeros((n, int(self.kind.max()) + 1))
         np.add.at(by_kind, (self.a[edge], kind), dual[:len(edge)])
         np.subtract.at(by_kind, (self.b[edge], kind), dual[:len(edge)])
         reduced -= by_kind[:, self.kind]
-        linked = rows.shape[0] - len(self.row_of_cut) - k - len(edge)
+        linked = rows.shape[0] - 1 - len(self.row_of_cut) - k - len(edge)
         v, j = np.nonzero(chosen)
         link = (self.own[j] != v) & (self.own[j] < self.free)
         np.subtract.at(reduced, (v[link], j[link]), dual[len(edge):len(edge) + linked])
@@ -442,9 +471,14 @@ class _Part:
         for (j, v, separator), number in self.row_of_cut.items():
             reduced[v, j] -= of_cuts[number]
             reduced[list(separator), j] += of_cuts[number]
+        free = np.flatnonzero(self.own < self.free)
+        reduced[self.own[free], free] -= dual[-1]
         x = np.zeros((n, k))
         x[chosen] = answer.x[:int(chosen.sum())]
-        return float(answer.fun * unit), x, reduced
+        # by weak duality; a difference is at most 1
+        value = float(answer.eqlin.marginals.sum() * unit + dual[-1] * self._most())
+        value += float(np.minimum(self.price[edge] + dual[:len(edge)], 0.0).sum())
+        return value, x, reduced
 
     def _separate(self, x, levels):
         """Contiguity cuts that a solution violates: a dict by core, area and separator."""
@@ -453,18 +487,22 @@ class _Part:
             column, u = x[:, j], int(self.own[j])
             seen = set()
             for level in levels:
-                support = {u, *np.flatnonzero(column > level).tolist()}
+                support = {u, *np.flatnonzero(column > level * max(column[u], 1e-3)).tolist()}
                 for part in connected_parts(self.adjacent, support):
                     part = frozenset(part)
-                    if u in part or part in seen:
+                    if part in seen:
                         continue
                     seen.add(part)
                     around = {s for v in part for s in self.adjacent[v]} - part
-                    if u in around:
+                    if u not in part and u not in around:  # who is in here comes through those
+                        facing, inside = self._facing(u, around, part), part
+                    elif u in part and not enough(self.size[list(part)].sum(), self.theta[j]):
+                        facing, inside = around, (u,)  # too small: it goes on somewhere
+                    else:
                         continue
-                    separator = tuple(sorted(self._facing(u, around, part)))
+                    separator = tuple(sorted(facing))
                     most = column[list(separator)].sum() + 1e-4
-                    for v in part:
+                    for v in inside:
                         if column[v] > most:
                             found[j, v, separator] = None
         return found
@@ -486,6 +524,7 @@ class _Part:
     def _in_integers(self, possible, bound, until, check):
         """Solve the programme of all pairs that are left; return the bound."""
         _, milp, constraint, sparse = self.tools
+        presolve = True
         while perf_counter() < until:
             check(None)
             cost, rows, one, place, _, _ = self._matrix(possible)
@@ -496,18 +535,22 @@ class _Part:
                 part.astype(np.int32) for part in (matrix.indices, matrix.indptr)
             )
             low = np.concatenate((np.ones(one.shape[0]), np.full(rows.shape[0], -np.inf)))
-            high = np.concatenate((np.ones(one.shape[0]), np.zeros(rows.shape[0])))
+            high = np.concatenate((np.ones(one.shape[0]), self._high(rows)))
             unit = max(np.abs(cost).max() / 100.0, 1e-300)
-            # the differences, too: with them continuous, the presolve of HiGHS 1.2 (scipy 1.10) takes
-            # some of these programmes for infeasible
+            # the differences are whole, too, if the pairs are: with that said, presolve fails less often
             answer = milp(
                 cost / unit, integrality=np.ones(len(cost)), bounds=(0.0, 1.0),
                 constraints=constraint(matrix, low, high),
-                options={"time_limit": max(until - perf_counter(), 0.1), "mip_rel_gap": 1e-9},
+                options={"time_limit": max(until - perf_counter(), 0.1), "mip_rel_gap": 1e-9,
+                         "presolve": presolve},
             )
             best = self._cost_of(self.chosen)
-            if answer.status == 2:  # it cannot be: what is known is in the programme
-                return bound
+            if answer.status == 2:
+                if not presolve:
+                    return bound
+                # the solution known is in the programme: the presolve of HiGHS 1.2 (scipy 1.10) is wrong
+                presolve = False
+                continue
             if answer.mip_dual_bound is not None and np.isfinite(answer.mip_dual_bound):
                 bound = max(bound, min(best, answer.mip_dual_bound * unit))
             if answer.x is None:
