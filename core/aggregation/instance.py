@@ -31,6 +31,7 @@ __all__ = [
     "away",
     "best_core",
     "build",
+    "cheapest_core",
     "components",
     "connected_parts",
     "costs",
@@ -41,6 +42,8 @@ __all__ = [
     "shares",
     "solution",
 ]
+
+FEW_CORES = 32  # areas of a region for which all cores are compared at once
 
 
 class Instance(NamedTuple):
@@ -349,17 +352,61 @@ def solution(problem, region):
 def best_core(problem, members, class_length=None):
     """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
     size = problem.size[members].sum()
-    cost = np.concatenate([
-        shares(problem, members, members[lo:lo + 256]).sum(axis=0)
-        for lo in range(0, len(members), 256)
-    ])
     kept = problem.cls[members]
-    if class_length is not None:
-        cost = cost + class_length[kept]
     # an excluded class only where there is no other; one too demanding before an excluded one
     theta = problem.theta[kept]
     rank = np.where(enough(size, theta), 0, np.where(np.isfinite(theta), 1, 2))
-    return int(members[np.lexsort((members, cost, rank))[0]])
+    extra = np.zeros(len(members)) if class_length is None else class_length[kept]
+    extra = np.where(rank == rank.min(), extra, np.inf)
+    return int(members[cheapest_core(problem, members, extra)[0]])
+
+
+def cheapest_core(problem, members, extra):
+    """Return which of some areas is their cheapest core, and what they cost under it.
+
+    Parameters
+    ----------
+    members : (m,) int
+    extra : (m,) float
+        What else each costs as a core; infinite: it may not be one.
+
+    Returns
+    -------
+    index : int
+        Of equal ones the smallest area's.
+    cost : float
+        With ``extra``.
+
+    Notes
+    -----
+    O(m^2), but mostly O(m): the sum of the distances to a place is at least the length of the sum of
+    the vectors, so that most cores need not be tried.
+    """
+    m = len(members)
+    if m <= FEW_CORES:
+        cost = shares(problem, members, members).sum(axis=0) + extra
+        best = np.lexsort((members, cost))[0]
+        return int(best), float(cost[best])
+    size, place, kept = problem.size[members], problem.place[members], problem.cls[members]
+    by_class = np.bincount(kept, weights=size, minlength=len(problem.theta))
+    known = extra + problem.change * (by_class @ problem.distance)[kept]
+    vector = (size @ place) - size.sum() * place
+    spread = size @ np.sqrt(problem.spread[members])
+    least = known + problem.centre * np.sqrt(vector.real**2 + vector.imag**2 + spread**2)
+    order = np.argsort(least, kind="stable")
+    best = (np.inf, np.inf, -1)
+    for lo in range(0, m, 16):
+        some = order[lo:lo + 16]
+        if least[some[0]] > best[0] * (1.0 + 1e-12):
+            break
+        cost = known[some]
+        if problem.centre:
+            cost = cost + problem.centre * (size @ away(
+                place[:, None] - place[some], problem.spread[members][:, None]
+            ))
+        for k in np.flatnonzero(cost <= best[0]).tolist():
+            best = min(best, (float(cost[k]), int(members[some[k]]), int(some[k])))
+    return best[2] if best[2] >= 0 else int(order[0]), best[0]
 
 
 def enough(size, theta):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .greedy import best_split
-from .instance import connected_parts, each_share, shares
+from .instance import cheapest_core, connected_parts, each_share, shares
 from .regions import EXCLUDED, LARGEST_GROUP
 
 __all__ = [
@@ -240,16 +240,14 @@ def recore(regions, terms):
 
 def _core_of_large(regions, r, members, terms):
     """Give one region its best core; whether it is another one."""
-    p, choice = regions.problem, members
-    if len(members) > LARGEST_REGION:
-        near = np.argsort(np.abs(p.place[members] - p.place[regions.core[r]]), kind="stable")
-        choice = np.append(members[near[:32]], regions.core[r])
-    cost = shares(p, members, choice).sum(axis=0)
-    cost += terms.lack * regions.missing(regions.size[r], choice)
-    now = cost[np.flatnonzero(choice == regions.core[r])[0]]
-    if not cost.min() < now - 1e-9 * abs(now):
+    p, core = regions.problem, int(regions.core[r])
+    extra = terms.lack * regions.missing(regions.size[r], members)
+    now = np.flatnonzero(members == core)[0]
+    before = float(shares(p, members, np.array([core])).sum() + extra[now])
+    best, cost = cheapest_core(p, members, extra)
+    if not cost < before - 1e-9 * abs(before):
         return False
-    regions.core[r] = choice[int(np.argmin(cost))]
+    regions.core[r] = members[best]
     return True
 
 
@@ -295,10 +293,13 @@ def merge(regions, terms, rng):
     before = shares(p, areas, core_r[None]).sum() + shares(p, others, core_to[None]).sum()
     before += terms.lack * regions.missing(regions.size[r], core_r)
     before += terms.lack * regions.missing(regions.size[to], core_to)
-    choice = np.array([core_r, core_to]) if regions.by_class else both
-    after = shares(p, both, choice).sum(axis=0)
-    after += terms.lack * regions.missing(total, choice)
-    if regions.by_class:
+    if not regions.by_class:
+        best, after = cheapest_core(p, both, terms.lack * regions.missing(total, both))
+        core = both[best]
+    else:
+        choice = np.array([core_r, core_to])
+        after = shares(p, both, choice).sum(axis=0)
+        after += terms.lack * regions.missing(total, choice)
         for k, (one, other) in enumerate(((to, r), (r, to))):  # `one` takes the class of `other`
             a, b = p.cls[regions.core[one]], p.cls[regions.core[other]]
             if a != b:
@@ -309,8 +310,8 @@ def merge(regions, terms, rng):
                     if regions.labels[u] != one
                     for c in (p.cls[regions.core[regions.labels[u]]],)
                 )
-    best = int(np.argmin(after))
-    delta = after[best] - before - terms.region
+        core, after = choice[int(np.argmin(after))], after.min()
+    delta = after - before - terms.region
     if not regions.by_class:
         delta -= p.boundary * sum(
             length
@@ -320,7 +321,7 @@ def merge(regions, terms, rng):
         )
     if terms.accepts(delta, rng):
         regions.put(areas.tolist(), r, to)
-        regions.core[to] = choice[best]
+        regions.core[to] = core
 
 
 def split(regions, terms, rng, most=4):
@@ -390,12 +391,11 @@ def move_core(regions, terms, rng):
 def _core_of_rest(regions, rest, size, old, terms):
     """Best core for what is left of a region without its core, and what that and its lack cost."""
     p = regions.problem
-    cost = shares(p, rest, rest).sum(axis=0)
-    cost += terms.lack * regions.missing(size, rest)
+    extra = terms.lack * regions.missing(size, rest)
     if regions.by_class:  # its class stays, so that the boundaries of the rest keep their price
-        cost[p.cls[rest] != p.cls[old]] = np.inf
-    best = int(np.argmin(cost))
-    return int(rest[best]), float(cost[best] - shares(p, rest, np.array([old])).sum())
+        extra = np.where(p.cls[rest] == p.cls[old], extra, np.inf)
+    best, cost = cheapest_core(p, rest, extra)
+    return int(rest[best]), cost - float(shares(p, rest, np.array([old])).sum())
 
 
 def gather(regions, terms, rng):
