@@ -6,7 +6,9 @@ import pytest
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
 from isthmus.core.aggregation.exact import exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
-from isthmus.core.aggregation.instance import Solution, build, costs, enough, problems, solution
+from isthmus.core.aggregation.instance import (
+    Solution, build, cheapest_core, costs, enough, problems, shares, solution,
+)
 from isthmus.core.aggregation.moves import (
     Terms, every_move, gather, group_price, merge, move_core, prices, split,
 )
@@ -255,6 +257,52 @@ def test_best_cores_are_the_cheapest_by_hand():
     assert found.core.tolist() == [1]
     assert costs(problem, found).centre == 2.0
     assert costs(problem, found).centre_distance == pytest.approx(2 / 3)
+
+
+def test_the_centre_distance_is_the_root_mean_square():
+    # two areas: the core bills its own spread, the other the way to it and its spread
+    problem = build(
+        [2.0, 3.0], [0, 1], [0, 4], [(0, 1)], [1], 1.0 - np.eye(2), [0.0, 0.0], centre=0.5,
+        spread=[9.0, 9.0],
+    )  # fmt: skip
+    found = Solution(np.array([0, 0]), np.array([0]))
+    assert costs(problem, found).centre == pytest.approx(0.5 * (2 * 3.0 + 3 * 5.0))
+    assert costs(problem, found).centre_distance == pytest.approx(21 / 5)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_cheapest_core_is_that_of_all(seed):
+    """Most cores are not tried, because of a bound."""
+    rng = np.random.default_rng(seed)
+    problem = random_map(seed, n=90, centre=float(rng.choice([0.0, 0.05, 1.0])))
+    members = rng.permutation(90)[:int(rng.integers(40, 90))]
+    extra = rng.random(len(members)) * 20.0
+    extra[rng.random(len(members)) < 0.2] = np.inf
+    best, cost = cheapest_core(problem, members, extra)
+    everything = shares(problem, members, members).sum(axis=0) + extra
+    assert cost == pytest.approx(everything.min())
+    assert everything[best] == pytest.approx(everything.min())
+
+
+def test_greedy_joins_what_costs_least_by_hand():
+    """A row of four; the two small ones choose by class change, then by boundary."""
+    problem = build(
+        [9.0, 1.0, 2.0, 9.0], [0, 1, 1, 2], [0, 1, 2, 3], [(0, 1), (1, 2), (2, 3)], [1, 1, 5],
+        [[0, 1, 1], [1, 0, 1], [1, 1, 0]], [4.0, 4.0, 4.0], boundary=0.1,
+    )  # fmt: skip
+    # the smallest joins its own class first; both together go where more boundary is saved
+    assert greedy(problem).region.tolist() == [0, 1, 1, 1]
+
+
+@needs_highs
+def test_exact_of_forty_areas_by_columns_and_cuts():
+    """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
+    problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))
+    begin = annealing(problem, 3, 60_000)
+    result = exact(problem, seconds=60.0, decompose=False, begin=begin)
+    check(problem, result.found)
+    assert result.bound <= costs(problem, result.found).total * (1 + 1e-9)
+    assert result.bound >= 0.95 * costs(problem, result.found).total
 
 
 @needs_highs
