@@ -1,9 +1,8 @@
-"""What all tools share: icon, group, the check for missing packages, layer styles."""
+"""What all tools share: icon, group, parameters, layer styles."""
 
 import functools
 import html
 import math
-import sysconfig
 from pathlib import Path
 
 from qgis.core import (
@@ -20,6 +19,7 @@ from qgis.core import (
 from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
+from .dependencies import dependency_problem
 from .layers.wkb import common_type
 
 RESOURCES = Path(__file__).parent.parent / "resources"
@@ -27,6 +27,9 @@ ICON = str(RESOURCES / "icon.svg")
 
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
+
+# Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
+CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
 
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
@@ -151,34 +154,6 @@ def counted(number, what):
     return f"{number:,} {what}{'s' * (number != 1)}"
 
 
-def dependency_problem():
-    """Return what is missing and which command installs it, or '' if the tools can run."""
-    try:
-        import numpy
-    except ImportError:
-        return "The Python package numpy is missing. Install it with QGIS's own package manager."
-    try:
-        import shapely
-
-        from ..core.partition.triangulation import missing_packages
-
-        problem = missing_packages(shapely)
-    except ImportError:
-        problem = "the Python package shapely is missing"
-    return problem and f"{problem[0].upper()}{problem[1:]}. {install_hint(numpy.__version__)}"
-
-
-def install_hint(numpy_version):
-    """Return how to install the packages without touching QGIS's numpy."""
-    managed = Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists()
-    return (
-        "To install what is needed, run this (on Windows in the OSGeo4W Shell), then restart QGIS: "
-        f'python3 -m pip install --user {"--break-system-packages " * managed}'
-        f'"shapely>=2.1" triangle "numpy=={numpy_version}"'
-        " (leave out triangle where pip does not find it; the last word keeps QGIS's own numpy)"
-    )
-
-
 class Steps:
     """Iterates over the features of a polygon source, with progress weighed by vertices.
 
@@ -217,8 +192,29 @@ class Steps:
             self.done += self.size
             self.feedback.setProgress(100.0 * self.done / self.total)
 
+    def chunks(self):
+        """Yield lists of features, few or small enough to be worked on at once.
+
+        What is yielded counts as done when the next is asked for.
+        """
+        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        chunk, self.size = [], 0
+        for feature, size in zip(features, self.sizes):
+            if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
+                yield chunk
+                self.done += self.size
+                chunk, self.size = [], 0
+            if self.feedback.isCanceled():
+                return
+            chunk.append(feature)
+            self.size += size
+        if chunk:
+            yield chunk
+        self.done += self.size
+        self.feedback.setProgress(100.0 * self.done / self.total)
+
     def progress(self, share):
-        """Report the share done of the current feature."""
+        """Report the share done of the current feature or chunk."""
         self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
 
 

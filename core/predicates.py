@@ -7,7 +7,7 @@ from functools import cmp_to_key
 
 import numpy as np
 
-__all__ = ["crossing", "orientation", "orientations", "sort_ccw"]
+__all__ = ["ccw_order", "crossing", "orientation", "orientations", "sort_ccw"]
 
 _ERROR_BOUND = 3.3306690738754716e-16  # Shewchuk's ccwerrboundA for IEEE doubles
 
@@ -97,3 +97,47 @@ def sort_ccw(origin, targets):
         return -orientation(ox, oy, a[0], a[1], b[0], b[1])
 
     return sorted(targets, key=cmp_to_key(compare))
+
+
+def ccw_order(group, origin, target):
+    """Sort spokes by group, and counter-clockwise around the origin of each, from the positive x direction on.
+
+    Parameters
+    ----------
+    group : (k,) int
+    origin : (k, 2) float
+        The same for all spokes of a group.
+    target : (k, 2) float
+        Distinct directions within a group.
+
+    Returns
+    -------
+    (k,) int
+        The spokes in order.
+
+    Notes
+    -----
+    Exact; O(k log k). Floats sort, exact orientations check the neighbours, and only the groups where they
+    do not agree are sorted anew by `sort_ccw`.
+
+    Examples
+    --------
+    >>> ccw_order(np.array([1, 0, 1]), np.zeros((3, 2)), np.array([[0, 1], [1, 1], [1, 0.0]]))
+    array([1, 2, 0])
+    """
+    dx, dy = (target - origin).T  # the signs are exact
+    lower = (dy < 0) | ((dy == 0) & (dx < 0))
+    # rises by half a turn with the angle
+    with np.errstate(all="ignore"):
+        angle = np.where(lower, 1.0, -1.0) * dx / (np.abs(dx) + np.abs(dy))
+    order = np.lexsort((angle, lower, group))
+    one, other = order[:-1], order[1:]
+    pairs = (group[one] == group[other]) & (lower[one] == lower[other])
+    one, other = one[pairs], other[pairs]
+    turn = orientations(origin[one], target[one], target[other])
+    for g in np.unique(group[one[turn <= 0]]).tolist():
+        lo, hi = np.searchsorted(group[order], [g, g + 1])
+        spokes = np.sort(order[lo:hi])
+        spokes = [(*target[k].tolist(), k) for k in spokes.tolist()]
+        order[lo:hi] = [k for *_, k in sort_ccw(origin[order[lo]].tolist(), spokes)]
+    return order

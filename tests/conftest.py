@@ -1,6 +1,7 @@
 """Make the repository root importable as package `isthmus`, whatever its folder is called."""
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 
@@ -18,6 +19,19 @@ def _load(name, root):
     sys.modules[name] = package
     if init.exists():
         spec.loader.exec_module(package)
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--engine", choices=("triangle", "pythoncdt", "shapely"),
+        help="triangulate by this engine alone, as if no other were installed",
+    )
+
+
+def pytest_configure(config):
+    engine = config.getoption("--engine")
+    if engine:  # for the processes that tests start, too
+        os.environ["ISTHMUS_ENGINE"] = engine
 
 
 if "isthmus" not in sys.modules:

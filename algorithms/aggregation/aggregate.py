@@ -21,7 +21,8 @@ from qgis.core import (
 from . import areas as layer
 from ..layers import wkb
 from .tables import distances, thresholds
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, install_hint
+from ..base import LARGEST, IsthmusAlgorithm, Steps, counted
+from ..dependencies import install_hint
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
 
@@ -332,8 +333,7 @@ def highs_problem():
     except MissingEngine as problem:
         import numpy
 
-        hint = install_hint(numpy.__version__).replace('"shapely>=2.1" triangle', '"scipy>=1.9"')
-        hint = hint.replace("leave out triangle where pip does not find it; ", "")
+        hint = install_hint(numpy.__version__, ['"scipy>=1.9"'])
         return f"{str(problem)[0].upper()}{str(problem)[1:]}. {hint}"
     return ""
 

@@ -88,42 +88,36 @@ def read(steps, crs):
     -------
     Areas
     """
-    kept, polygons, owner = [], [], []
-    for feature in steps:
-        found = wkb.polygons(with_dimensions(feature.geometry(), steps.wkb_type))
-        polygons += found
-        owner += [len(kept)] * len(found)
-        kept.append(feature)
-    return arrange(kept, polygons, owner, crs)
+    kept = list(steps)
+    rings, owner, _ = wkb.read_polygons(
+        with_dimensions(feature.geometry(), steps.wkb_type) for feature in kept
+    )
+    return arrange(kept, rings, owner, crs)
 
 
-def arrange(kept, polygons, owner, crs):
-    """Return `Areas` from features, and polygons as (coords, offsets) with the area of each."""
+def arrange(kept, rings, owner, crs):
+    """Return `Areas` from features, and their rings with the area of each polygon."""
     import numpy as np
 
     from ...core.aggregation.coverage import centroids, cover, spreads
+    from ...core.rings import groups, take
 
     # rings of fewer than three vertices bound nothing
     measure, metre = measure_of(crs), metres_of(crs)
-    coords, sizes, ring_polygon = [np.zeros((0, 2))], [], []
-    measured = np.array([(np.abs(rows[:, :2]) <= FARTHEST).all() for rows, _ in polygons], dtype=bool)
-    for number, (rows, offsets) in enumerate(polygons):
-        if not measured[number]:
-            continue
-        coords.append(rows)
-        sizes += [size for size in np.diff(offsets).tolist() if size]
-        ring_polygon += [number] * int((np.diff(offsets) > 0).sum())
-    width = max((rows.shape[1] for rows in coords[1:]), default=2)
-    coords = np.concatenate(coords[1:]) if len(coords) > 1 else np.zeros((0, width))
-    offsets = np.append(0, np.cumsum(sizes)).astype(np.int64)
-    coverage = cover(coords, offsets, np.array(ring_polygon, dtype=np.int64))
-    owner = np.array(owner, dtype=np.int64)
-    count = len(polygons)
+    polygon_count = len(rings.polygon_offsets) - 1
+    row_polygon = np.repeat(groups(rings.polygon_offsets), np.diff(rings.offsets))
+    measured = np.ones(polygon_count, dtype=bool)
+    measured[row_polygon[~(np.abs(rings.coords[:, :2]) <= FARTHEST).all(axis=1)]] = False
+    ring_polygon = groups(rings.polygon_offsets)
+    some = np.flatnonzero(measured[ring_polygon] & (np.diff(rings.offsets) > 0))
+    row, offsets = take(rings.offsets, some)
+    coords = rings.coords[row]
+    coverage = cover(coords, offsets, ring_polygon[some])
     xy = coords[:, :2]
-    area, moment = centroids(coverage, measure.equal_area(xy) if len(xy) else xy, count)
+    area, moment = centroids(coverage, measure.equal_area(xy) if len(xy) else xy, polygon_count)
     if crs.isGeographic():  # the centroid in degrees, its metres near the middle of the layer
-        flat, moment = centroids(coverage, xy, count)
-        moment = moment * np.divide(area, flat, out=np.zeros(count), where=flat > 0)[:, None]
+        flat, moment = centroids(coverage, xy, polygon_count)
+        moment = moment * np.divide(area, flat, out=np.zeros(polygon_count), where=flat > 0)[:, None]
     n = len(kept)
     size = np.bincount(owner, weights=area, minlength=n)
     weight = np.where(size > 0, size, 1.0)

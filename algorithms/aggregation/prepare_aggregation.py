@@ -15,12 +15,13 @@ from qgis.core import (
 )
 
 from . import areas as layer
+from ...core.progress import checker
 from ..layers import wkb
 from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
 from ..partition.cutting import BY_LENGTH, BY_SIZE
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
-from ..partition.solving import Settings, measure_of, solve, weigh_by_length
+from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
@@ -184,12 +185,12 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
 
         from ...core.aggregation.coverage import faults
         from ...core.errors import Cancelled
-        from ...core.partition.solve import select
+        from ...core.partition.solve import finish, select
+        from ...core.rings import Rings, offsets_of
 
         class_index = _class_index(self, parameters, context, source)
         crs, steps = source.sourceCrs(), Steps(source, feedback)
         multi = QgsWkbTypes.isMultiType(steps.wkb_type)
-        extra = wkb.dimensions(steps.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
         sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
         with_table = sinks.open(
@@ -207,67 +208,77 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             all_dilations=False,
         )
 
-        def choose(tasks, check):
-            return [
-                select(task.prepared, tau, task.weight, check=check, with_dilation=False)
-                for task in tasks
-            ]
-
-        # pieces: (area, coords, offsets, status, whether it is the whole area); empty areas have none
-        kept, pieces, empty, skipped, classless = [], [], [], 0, 0
-        for feature in steps:
-            number = len(kept)
-            kept.append(feature)
-            classless += layer.text(feature.attributes()[class_index]) is None
-            geometry = layer.with_dimensions(feature.geometry(), steps.wkb_type)
-            feature.setGeometry(geometry)
-            try:
-                solved = solve(feature, settings, choose, feedback, lambda share: None)
-            except Cancelled:
-                break
-            problems = "; ".join(dict.fromkeys(one.problem for one in solved if one.problem))
-            # as it came, even with a ring that is not closed
-            curved = QgsWkbTypes.isCurvedType(geometry.wkbType())
-            whole = len(solved) == 1 and bool(problems) and not curved
-            if not solved:
-                problems = "it has no geometry" if not feature.hasGeometry() else "it is empty"
-                empty.append((number, problems))
+        check = checker(steps.progress, feedback.isCanceled)
+        kept, cut, classless = [], [], 0  # areas, and their pieces chunk by chunk
+        try:
+            for features in steps.chunks():
+                for feature in features:
+                    classless += layer.text(feature.attributes()[class_index]) is None
+                    feature.setGeometry(
+                        layer.with_dimensions(feature.geometry(), steps.wkb_type)
+                    )
+                for chunk in read(features, settings, feedback):
+                    problem = prepare(chunk, settings, check)
+                    selection = select(
+                        problem.prepared, tau, weight=problem.weight, check=check,
+                        with_dilation=False,
+                    )
+                    parts = finish(problem.prepared, selection, check=check).parts
+                    found = pieces(problem, parts)
+                    cut.append((
+                        chunk.owner[found.polygon] + len(kept),
+                        problem.verdict[found.polygon],
+                        Rings(
+                            chunk.rings.coords[found.rows], found.offsets, found.ring_offsets
+                        ),
+                    ))
+                    kept += chunk.features
+        except Cancelled:
+            return {}
+        area = np.concatenate([np.empty(0, dtype=np.int64)] + [number for number, _, _ in cut])
+        status = np.concatenate([np.empty(0, dtype=object)] + [verdict for _, verdict, _ in cut])
+        of_area = offsets_of(np.bincount(area, minlength=len(kept))).tolist()
+        skipped = 0
+        for number, feature in enumerate(kept):
+            lo, hi = of_area[number], of_area[number + 1]
+            problems = list(dict.fromkeys(reason for reason in status[lo:hi] if reason))
+            if lo == hi:
+                problems = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
             if problems:
                 skipped += 1
-                feedback.pushWarning(f"Area {feature.id()} was not cut: {problems}.")
-            for one in solved:
-                for part in range(len(one.area)):
-                    rings = one.rings(part)
-                    offsets = np.cumsum([0] + [len(ring) for ring in rings])
-                    coords = one.coords[np.concatenate(rings)]
-                    pieces.append((number, coords, offsets, one.problem, whole))
+                feedback.pushWarning(f"Area {feature.id()} was not cut: {'; '.join(problems)}.")
         if feedback.isCanceled():
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
-        found = layer.arrange(
-            pieces, [(coords, offsets) for _, coords, offsets, *_ in pieces],
-            range(len(pieces)), crs,
+        rings = _joined([own for _, _, own in cut])
+        found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
+        geometries = wkb.polygon_geometries(
+            rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
+            [wkb.dimensions(steps.wkb_type)] * len(area), multi,
         )
-        for k, (number, coords, offsets, status, whole) in enumerate(pieces):
+        for k, (number, reason, size, geometry) in enumerate(
+            zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)
+        ):
             feature = kept[number]
-            rings = [np.arange(lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
-            if whole:
-                geometry = feature.geometry()
-                if multi:
-                    geometry.convertToMultiType()
-            else:
-                geometry = wkb.polygon_geometry(coords, rings, extra, multi)
-            values = [feature.id(), k + 1, float(found.size[k]), status]
+            if reason and of_area[number + 1] - of_area[number] == 1:
+                # as it came, even with a ring that is not closed
+                own = feature.geometry()
+                if not QgsWkbTypes.isCurvedType(own.wkbType()):
+                    geometry = own
+                    if multi:
+                        geometry.convertToMultiType()
+            values = [feature.id(), k + 1, size, reason]
             sinks.add(self.OUTPUT, geometry, feature.attributes() + values, f"area {feature.id()}")
-        for number, status in empty:
+        empty = [number for number in range(len(kept)) if of_area[number] == of_area[number + 1]]
+        for number in empty:
             feature = kept[number]
-            values = [feature.id(), layer.NULL, 0.0, status]
+            reason = "it has no geometry" if not feature.hasGeometry() else "it is empty"
+            values = [feature.id(), layer.NULL, 0.0, reason]
             sinks.add(
                 self.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"
             )
 
-        area = np.array([number for number, *_ in pieces], dtype=np.int64)
         if with_table:
             pairs, length = layer.neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
@@ -280,11 +291,28 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         _report(feedback, kept, overlaps, wrong.gaps, classless)
         return {
             self.AREA_COUNT: len(kept),
-            self.PIECE_COUNT: len(pieces) + len(empty),
+            self.PIECE_COUNT: len(area) + len(empty),
             self.SKIPPED_COUNT: skipped,
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
+
+
+def _joined(chunks):
+    """Rings of several chunks as one."""
+    import numpy as np
+
+    from ...core.rings import Rings, offsets_of
+
+    if not chunks:
+        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    # Z and M were made alike before; a chunk without any polygon has none
+    width = max(own.coords.shape[1] for own in chunks)
+    return Rings(
+        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
+        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
+        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
+    )
 
 
 def _class_index(tool, parameters, context, source):

@@ -18,60 +18,94 @@ def field(name, kind):
     return QgsField(name, getattr(QVariant, "String" if kind == TEXT else kind))
 
 
-def polygons(geometry):
-    """Return the polygons of a geometry as arrays.
+def read_polygons(geometries):
+    """Return the polygons of geometries as arrays.
 
     Parameters
     ----------
-    geometry : QgsGeometry
-        Polygon or multipolygon; curves become segments. Others have no polygons.
+    geometries : iterable of QgsGeometry
+        Polygons or multipolygons; curves become segments. Others have no polygons.
 
     Returns
     -------
-    list of (coords, offsets)
-        For each polygon: (k, d) float, the vertices of its rings without the closing ones; and
-        (r + 1,) int, where each ring starts. Empty polygons are left out.
+    rings : core.rings.Rings
+        All polygons, without closing vertices; empty ones are left out. Rows have as many columns as
+        the geometry with the most ordinates; what another lacks is 0 at the end of its rows.
+    owner : (p,) int
+        The place of the geometry of each polygon.
+    extra : list of int
+        The `dimensions` of each geometry.
     """
-    if geometry.isNull() or geometry.isEmpty():
-        return []
-    abstract = geometry.constGet()
-    if QgsWkbTypes.isCurvedType(abstract.wkbType()):
-        abstract = abstract.segmentize()
-    if QgsWkbTypes.flatType(QgsWkbTypes.singleType(abstract.wkbType())) != QgsWkbTypes.Type.Polygon:
-        return []
-    data = bytes(abstract.asWkb())
-    size = 2 + abstract.is3D() + abstract.isMeasure()
-    count, place = _counts(data, 0)
-    if not QgsWkbTypes.isMultiType(abstract.wkbType()):
-        result = [_rings(data, place, count, size)[0]]
-    else:
-        result = []
-        for _ in range(count):
-            ring_count, place = _counts(data, place)
-            rings, place = _rings(data, place, ring_count, size)
-            result.append(rings)
-    return [(coords, offsets) for coords, offsets in result if len(coords)]
-
-
-def _counts(data, place):
-    """Number of parts or rings after a WKB header, and where these start."""
-    return struct.unpack_from("<BII", data, place)[2], place + 9
-
-
-def _rings(data, place, ring_count, size):
-    """Vertices of the rings of a WKB polygon and where each starts; and where the polygon ends."""
     import numpy as np
 
-    rings = []
-    for _ in range(ring_count):
-        (count,) = struct.unpack_from("<I", data, place)
-        ring = np.frombuffer(data, "<f8", count * size, place + 4).reshape(-1, size)
-        place += 4 + 8 * count * size
-        # drop the closing vertex; one with another Z or M is a vertex of its own
-        closed = count > 1 and ring[0].tobytes() == ring[-1].tobytes()
-        rings.append(ring[:-1] if closed else ring)
-    offsets = np.cumsum([0] + [len(ring) for ring in rings])
-    return (np.concatenate(rings) if rings else np.empty((0, size)), offsets), place
+    from ...core.rings import Rings, offsets_of, take
+
+    owner, extra, runs, places = [], [], [], []
+    ring_counts, wkbs = [], []
+    for number, geometry in enumerate(geometries):
+        abstract = None if geometry.isNull() or geometry.isEmpty() else geometry.constGet()
+        if abstract is not None and QgsWkbTypes.isCurvedType(abstract.wkbType()):
+            abstract = abstract.segmentize()
+        kind = QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
+        extra.append(dimensions(kind))
+        if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) != QgsWkbTypes.Type.Polygon:
+            continue
+        data = bytes(abstract.asWkb())
+        size = _width(extra[-1])
+        (count,), place = _COUNT.unpack_from(data, 5), 9
+        for _ in range(count if QgsWkbTypes.isMultiType(kind) else 1):
+            if QgsWkbTypes.isMultiType(kind):
+                (rings,), place = _COUNT.unpack_from(data, place + 5), place + 9
+            else:
+                rings = count
+            owner.append(number)
+            ring_counts.append(rings)
+            for _ in range(rings):
+                (points,) = _COUNT.unpack_from(data, place)
+                runs.append((data, points, size, place + 4))
+                place += 4 + 8 * points * size
+    width = max((size for _, _, size, _ in runs), default=2)
+    frombuffer = np.frombuffer
+    pieces = [frombuffer(data, "<f8", points * size, place) for data, points, size, place in runs]
+    points = np.array([points for _, points, _, _ in runs], dtype=np.int64)
+    if all(size == width for _, _, size, _ in runs):
+        coords = np.concatenate(pieces) if pieces else np.empty(0)
+        coords = coords.reshape(-1, width)
+    else:
+        coords = np.zeros((points.sum(), width))
+        for piece, (_, count, size, _), at in zip(pieces, runs, offsets_of(points).tolist()):
+            coords[at:at + count, :size] = piece.reshape(-1, size)
+
+    # drop the closing vertices; one with another Z or M is a vertex of its own
+    offsets = offsets_of(points)
+    long = np.flatnonzero(points > 1)
+    bits = coords.view(np.int64)
+    closed = (bits[offsets[:-1][long]] == bits[offsets[1:][long] - 1]).all(axis=1)
+    kept = np.ones(len(coords), dtype=bool)
+    kept[offsets[1:][long][closed] - 1] = False
+    points[long[closed]] -= 1
+    rings = Rings(coords[kept], offsets_of(points), offsets_of(ring_counts))
+    owner = np.array(owner, dtype=np.int64)
+    empty = np.diff(rings.offsets[rings.polygon_offsets]) == 0
+    if empty.any():
+        ring, polygon_offsets = take(rings.polygon_offsets, np.flatnonzero(~empty))
+        rings = Rings(rings.coords, offsets_of(points[ring]), polygon_offsets)
+        owner = owner[~empty]
+    return rings, owner, extra
+
+
+_COUNT = struct.Struct("<I")
+
+
+def polygons(geometry):
+    """Return the polygons of one geometry as (coords, offsets) arrays; see `read_polygons`."""
+    rings, _, _ = read_polygons([geometry])
+    bounds = rings.polygon_offsets.tolist()
+    result = []
+    for lo, hi in zip(bounds[:-1], bounds[1:]):
+        offsets = rings.offsets[lo:hi + 1]
+        result.append((rings.coords[offsets[0]:offsets[-1]], offsets - offsets[0]))
+    return result
 
 
 def dimensions(wkb_type):
@@ -119,6 +153,73 @@ def polygon_geometry(coords, rings, extra, multi):
     if multi:
         chunks.insert(0, _header(6 + extra, 1))
     return _geometry(chunks)
+
+
+def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
+    """Yield polygons of rings of rows.
+
+    Parameters
+    ----------
+    coords : (k, d) float
+    rows : (m,) int
+        Rows of all rings, none repeated at its end.
+    offsets, ring_offsets : (r + 1,) int, (p + 1,) int
+        Where each ring starts in ``rows``, and where the rings of each polygon start.
+    extra : (p,) int
+        The `dimensions` of each polygon.
+    multi : bool
+        Whether to wrap the polygons as multipolygons.
+    """
+    import numpy as np
+
+    from ...core.rings import offsets_of, ranges
+
+    size = np.diff(offsets)
+    closed = size + (size > 0)  # an empty ring stays empty
+    along = ranges(np.zeros(len(size), dtype=np.int64), closed)
+    along -= np.repeat(np.where(size > 0, size, 1), closed) * (along == np.repeat(size, closed))
+    data = coords[rows[np.repeat(offsets[:-1], closed) + along]]
+    width = coords.shape[1]
+    place = (8 * width * offsets_of(closed)).tolist()
+    counts = [_COUNT.pack(count) for count in closed.tolist()]
+    raw = data.tobytes()
+    bounds = ring_offsets.tolist()
+    for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
+        chunks = [_header(6 + more, 1)] if multi else []
+        chunks.append(_header(3 + more, hi - lo))
+        own = _width(more)
+        for ring in range(lo, hi):
+            part = raw[place[ring]:place[ring + 1]]
+            if own != width:
+                part = np.frombuffer(part).reshape(-1, width)[:, :own].tobytes()
+            chunks += (counts[ring], part)
+        yield _geometry(chunks)
+
+
+def line_geometries(coords, rows, extra):
+    """Yield straight lines between rows.
+
+    Parameters
+    ----------
+    coords : (k, d) float
+    rows : (l, 2) int
+    extra : (l,) int
+        The `dimensions` of each line.
+    """
+    import numpy as np
+
+    width = coords.shape[1]
+    raw, step = coords[rows].tobytes(), 16 * coords.shape[1]
+    for k, more in enumerate(extra):
+        part, own = raw[k * step:(k + 1) * step], _width(more)
+        if own != width:
+            part = np.frombuffer(part).reshape(2, width)[:, :own].tobytes()
+        yield _geometry([_header(2 + more, 2), part])
+
+
+def _width(extra):
+    """Ordinates of a vertex, by the `dimensions` of its geometry."""
+    return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
 
 
 def line_geometry(coords, rows, extra):

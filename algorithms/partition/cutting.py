@@ -19,16 +19,21 @@ from qgis.core import (
 )
 
 from ...core.errors import Cancelled
+from ...core.progress import checker, stretch
 from ..layers import wkb
 from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from ..dependencies import slow_engine_note
 from .candidate_lines import CandidateLines
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
 from .solving import (
     Settings,
+    by_feature,
     expression_problem,
     measure_of,
-    solve,
+    pieces,
+    prepare,
+    read,
     weigh_by_expression,
     weigh_by_length,
 )
@@ -187,16 +192,11 @@ class PartitionTool(IsthmusAlgorithm):
 
     def settings(self, parameters, context, source, feedback, all_dilations=False):
         """Return how to solve."""
-        from ...core.partition.triangulation import engine_name
-
         crs = source.sourceCrs()
         lines_source = self.parameterAsSource(parameters, self.CANDIDATES, context)
         lines = lines_source and CandidateLines(lines_source, crs, context)
-        if engine_name() == "shapely" and not lines:
-            feedback.pushInfo(
-                "The package triangle is not installed. Shapely's triangulation is used instead: "
-                "as good, but slower."
-            )
+        if not lines and slow_engine_note():
+            feedback.pushInfo(slow_engine_note())
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         weigh = weigh_by_length if objective == BY_LENGTH else None
         if objective == BY_WEIGHT:
@@ -248,7 +248,7 @@ class CuttingTool(PartitionTool):
     extra_fields = ()
 
     def chooser(self, parameters, context, source, feedback):
-        """Return the function that chooses the cuts: ``(feature, tasks, check)`` to selections."""
+        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection."""
         raise NotImplementedError
 
     def add_outputs(self):
@@ -301,19 +301,16 @@ class CuttingTool(PartitionTool):
                 parameters, context, source, feedback, all_dilations=writer.with_diagonals
             )
             choose = self.chooser(parameters, context, source, feedback)
-            for feature in steps:
-                try:
-                    solved = solve(
-                        feature,
-                        settings,
-                        lambda tasks, check, feature=feature: choose(feature, tasks, check),
-                        feedback,
-                        steps.progress,
-                    )
-                except Cancelled:
-                    break
-                for problem in writer.write(feature, solved):
-                    feedback.pushWarning(f"Feature {feature.id()} was not cut: {problem}.")
+            check = checker(steps.progress, feedback.isCanceled)
+            try:
+                for features in steps.chunks():
+                    for chunk in read(features, settings, feedback):
+                        problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
+                        selection = choose(problem, stretch(check, 0.5, 0.7))
+                        solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
+                        writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
+            except Cancelled:
+                pass
             if settings.lines:
                 settings.lines.report(feedback)
         writer.report(feedback)
@@ -323,9 +320,18 @@ class CuttingTool(PartitionTool):
         style_on_load(context, destinations.get(self.OUTPUT), "parts.qml", 3)
         return {**destinations, **writer.numbers}
 
-    def extra_values(self, solved):
-        """Return the values of `extra_fields` for a solved feature."""
-        return []
+    def extra_values(self, problem, solution):
+        """Return the values of `extra_fields` for each feature of a chunk, a list each."""
+        return [[] for _ in problem.chunk.features]
+
+
+def finish(problem, selection, settings, check):
+    """Make the parts of the solution of a chunk."""
+    from ...core.partition.solve import finish
+
+    return finish(
+        problem.prepared, selection, all_dilations=settings.all_dilations, check=check
+    )
 
 
 class _Writer:
@@ -355,77 +361,110 @@ class _Writer:
             tool.LOWER_BOUND: 0.0,
         }
 
-    def write(self, feature, solved):
-        """Write a solved feature; return what could not be solved of it."""
-        problems = [polygon.problem for polygon in solved if polygon.problem]
-        if not solved:
-            problems = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
-        self.numbers[self.tool.SKIPPED_COUNT] += bool(problems)
-        if len(problems) >= len(solved):  # nothing solved: the feature as it is
-            reason = "; ".join(dict.fromkeys(problems))
-            nothing = [NULL] * (2 + len(self.tool.extra_fields))
-            self._add_part(feature, feature.geometry(), [1, 1, reason, *nothing])
-            return problems
+    def write(self, problem, solution, feedback, check):
+        """Write the solution of a chunk, and tell what of it could not be solved."""
+        import numpy as np
 
-        solutions = [polygon.partition for polygon in solved if polygon.partition is not None]
-        cost = sum(solution.cost for solution in solutions)
-        bound = sum(solution.lower_bound for solution in solutions)
-        self.numbers[self.tool.COST] += cost
-        self.numbers[self.tool.LOWER_BOUND] += bound
-        gap = 100.0 * (cost - bound) / cost if cost > 0.0 else 0.0
-        values = [cost, gap, *self.tool.extra_values(solved)]
-        extra = wkb.dimensions(feature.geometry().wkbType())
-        order = sorted(
-            ((-area, k, part) for k, polygon in enumerate(solved)
-             for part, area in enumerate(polygon.area))
-        )
-        number = {(k, part): rank for rank, (_, k, part) in enumerate(order, 1)}
-        for rank, (_, k, part) in enumerate(order, 1):
-            polygon = solved[k]
-            geometry = wkb.polygon_geometry(
-                polygon.coords, polygon.rings(part), extra, self.multi
+        chunk, tool = problem.chunk, self.tool
+        found = pieces(problem, solution.parts)
+        cost, bound = (by_feature(problem, x) for x in (solution.cost, solution.lower_bound))
+        gap = np.divide(100.0 * (cost - bound), cost, out=np.zeros(len(cost)), where=cost > 0.0)
+        solved = problem.verdict[problem.prepared.polygons.number] == ""
+        some = np.bincount(problem.owner[solved], minlength=len(chunk.features)) > 0
+        self.numbers[tool.COST] += float(cost.sum())
+        self.numbers[tool.LOWER_BOUND] += float(bound.sum())
+        if solved.any():
+            self.numbers[tool.MAX_DILATION] = max(
+                self.numbers[tool.MAX_DILATION],
+                float(np.max(solution.largest_dilation[solved], initial=1.0)),
             )
-            self._add_part(feature, geometry, [rank, len(order), polygon.problem, *values])
-        for k, polygon in enumerate(solved):
-            if polygon.partition is not None:
-                self._write_lines(feature, polygon, extra, lambda part, k=k: number[k, part])
-        return problems
+        own = solved[solution.owner]  # edges of polygons that are solved
+        selected = own & (solution.role == 0)
+        self.numbers[tool.CUT_COUNT] += int(selected.sum())
+        self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
+        lines = [
+            rows for rows, wanted in (
+                (self._cuts(problem, solution, found, selected), self.with_cuts),
+                (self._diagonals(problem, solution, own), self.with_diagonals),
+            ) if wanted
+        ]
 
-    def _add_part(self, feature, geometry, values):
-        origin = f"feature {feature.id()}"
-        self.sinks.add(self.tool.OUTPUT, geometry, feature.attributes() + values, origin)
-        self.numbers[self.tool.PART_COUNT] += 1
-
-    def _write_lines(self, feature, polygon, extra, number):
-        solution, source = polygon.partition, feature.id()
-        origin = f"feature {source}"
-        selected = solution.role == 0
-        self.numbers[self.tool.CUT_COUNT] += int(selected.sum())
-        self.numbers[self.tool.CUT_LENGTH] += float(solution.length[selected].sum())
-        self.numbers[self.tool.MAX_DILATION] = max(
-            self.numbers[self.tool.MAX_DILATION], solution.largest_dilation
+        geometries = wkb.polygon_geometries(
+            chunk.rings.coords, found.rows, found.offsets, found.ring_offsets,
+            [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()], self.multi,
         )
-        if self.with_cuts:
-            for rows, length, detour, (a, b) in zip(
-                solution.edge_rows[selected],
-                solution.length[selected].tolist(),
-                solution.detour[selected].tolist(),
-                solution.parts.sides.tolist(),
-            ):
-                line = wkb.line_geometry(polygon.coords, rows, extra)
-                values = [source, length, _or_null(detour), *sorted((number(a), number(b)))]
-                self.sinks.add(self.tool.CUTS, line, values, origin)
-        if self.with_diagonals:
-            for rows, length, detour, dilation, role in zip(
-                solution.edge_rows,
-                solution.length.tolist(),
-                solution.detour.tolist(),
-                solution.dilation.tolist(),
-                solution.role.tolist(),
-            ):
-                line = wkb.line_geometry(polygon.coords, rows, extra)
-                values = [source, length, _or_null(detour), dilation, ROLES[role]]
-                self.sinks.add(self.tool.DIAGONALS, line, values, origin)
+        verdicts = problem.verdict[found.polygon].tolist()
+        bounds = found.feature_offsets.tolist()
+        values = zip(cost.tolist(), gap.tolist(), tool.extra_values(problem, solution))
+        nothing = [NULL] * (2 + len(tool.extra_fields))
+        for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
+            check(f / len(chunk.features) if f % 8 == 0 else None)
+            lo, hi = bounds[f], bounds[f + 1]
+            reasons = list(dict.fromkeys(verdict for verdict in verdicts[lo:hi] if verdict))
+            if lo == hi:
+                reasons = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+            attributes, origin = feature.attributes(), f"feature {feature.id()}"
+            if reasons:
+                self.numbers[tool.SKIPPED_COUNT] += 1
+                text = "; ".join(reasons)
+                feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
+            if not some[f]:  # nothing solved: the feature as it is
+                for _ in range(lo, hi):
+                    next(geometries)
+                part = [1, 1, text, *nothing]
+                self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
+                self.numbers[tool.PART_COUNT] += 1
+                continue
+            for k in range(lo, hi):
+                part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, *more]
+                self.sinks.add(tool.OUTPUT, next(geometries), attributes + part, origin)
+            self.numbers[tool.PART_COUNT] += hi - lo
+            for name, of, rows in lines:
+                while of and of[-1] == f:
+                    of.pop()
+                    geometry, line = next(rows)
+                    self.sinks.add(name, geometry, [feature.id(), *line], origin)
+
+    def _cuts(self, problem, solution, found, selected):
+        """Name of the layer; the feature of each cut, the last one first; geometries and values."""
+        import numpy as np
+
+        chosen = np.flatnonzero(solution.role == 0)
+        sides = np.sort(found.number[solution.parts.sides], axis=1)[selected[chosen]]
+        chosen = chosen[selected[chosen]]
+        values = (
+            [length, _or_null(detour), *parts]
+            for length, detour, parts in zip(
+                solution.length[chosen].tolist(), solution.detour[chosen].tolist(), sides.tolist()
+            )
+        )
+        return self._lines(self.tool.CUTS, problem, solution, chosen, values)
+
+    def _diagonals(self, problem, solution, own):
+        """The same of all candidates."""
+        import numpy as np
+
+        if not self.with_diagonals:
+            return None
+        chosen = np.flatnonzero(own)
+        values = (
+            [length, _or_null(detour), dilation, ROLES[role]]
+            for length, detour, dilation, role in zip(
+                *(x[chosen].tolist() for x in (
+                    solution.length, solution.detour, solution.dilation, solution.role
+                ))
+            )
+        )
+        return self._lines(self.tool.DIAGONALS, problem, solution, chosen, values)
+
+    @staticmethod
+    def _lines(name, problem, solution, chosen, values):
+        feature = problem.owner[solution.owner[chosen]].tolist()
+        geometries = wkb.line_geometries(
+            problem.chunk.rings.coords, solution.edge_rows[chosen],
+            [problem.chunk.extra[f] for f in feature],
+        )
+        return name, feature[::-1], zip(geometries, values)
 
     def report(self, feedback):
         """Say in the log what was done."""

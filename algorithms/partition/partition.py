@@ -1,7 +1,7 @@
 """The tool ``isthmus:partition``."""
 
-from ...core.errors import Unsolvable
 from .cutting import CuttingTool
+from .solving import by_feature
 
 # Seconds that a polygon may take to close the gap of MinLength and MinWeight
 TIME_LIMIT = 540.0
@@ -82,28 +82,37 @@ class PartitionAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
+        import numpy as np
+
         from ...core.partition.solve import select
 
         tau_of = self.dynamic(parameters, self.TAU, context, source)
         max_gap = self.parameterAsDouble(parameters, self.MAX_GAP, context) / 100.0
 
-        def choose(feature, tasks, check):
-            tau = tau_of(feature)
-            if not 1.0 <= tau < float("inf"):
-                raise Unsolvable(f"tau must be a number of at least 1, and is {tau:g}")
-            selections = [
-                select(task.prepared, tau, task.weight, max_gap, TIME_LIMIT, check, False)
-                for task in tasks
-            ]
-            cost = sum(selection.cost for selection in selections)
-            gap = cost - sum(selection.lower_bound for selection in selections)
+        def choose(problem, check):
+            features = problem.chunk.features
+            tau = np.array([tau_of(feature) for feature in features])
+            bad = ~((tau >= 1.0) & (tau < np.inf))
+            for f in np.flatnonzero(bad).tolist():
+                problem.refuse(f, f"tau must be a number of at least 1, and is {tau[f]:g}")
+            selection = select(
+                problem.prepared,
+                np.where(bad, 1.0, tau)[problem.owner],
+                weight=problem.weight,
+                max_gap=max_gap,
+                time_limit=TIME_LIMIT * max(len(problem.owner), 1),
+                check=check,
+                with_dilation=False,
+            )
+            cost = by_feature(problem, selection.cost)
+            gap = cost - by_feature(problem, selection.lower_bound)
             # the search ends at exactly the gap allowed, give or take a rounding error
-            if gap > (max_gap + 1e-9) * cost:
+            for f in np.flatnonzero(gap > (max_gap + 1e-9) * cost).tolist():
                 feedback.pushWarning(
-                    f"Feature {feature.id()}: the search ended at a gap of "
-                    f"{100.0 * gap / cost:.3g} per cent between the cost and its proven lower "
+                    f"Feature {features[f].id()}: the search ended at a gap of "
+                    f"{100.0 * gap[f] / cost[f]:.3g} per cent between the cost and its proven lower "
                     "bound, its limit of time or memory being reached."
                 )
-            return selections
+            return selection
 
         return choose

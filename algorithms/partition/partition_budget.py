@@ -2,7 +2,6 @@
 
 import math
 
-from ...core.errors import Unsolvable
 from .cutting import CuttingTool
 from ..layers.wkb import REAL
 
@@ -74,34 +73,52 @@ class PartitionBudgetAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
-        from ...core.partition.tradeoff import OverBudget, joint_solver, smallest_dilation
+        import numpy as np
+
+        from ...core.partition.solve import select
+        from ...core.partition.tradeoff import OverBudget, joint_solver, smallest_dilation, together
 
         budget_of = self.dynamic(parameters, self.BUDGET, context, source)
 
-        def choose(feature, tasks, check):
-            budget = budget_of(feature)
-            if not 0.0 <= budget < math.inf:
-                raise Unsolvable(f"the budget must be a number of at least 0, and is {budget:g}")
-            solve = joint_solver(
-                [task.prepared for task in tasks],
-                [task.weight for task in tasks],
-                time_limit=TIME_LIMIT,
-                check=check,
+        def choose(problem, check):
+            features = problem.chunk.features
+            budgets = [budget_of(feature) for feature in features]
+            for f, budget in enumerate(budgets):
+                if not 0.0 <= budget < math.inf:
+                    problem.refuse(f, f"the budget must be a number of at least 0, and is {budget:g}")
+            options = {
+                "weight": problem.weight, "max_gap": 0.0, "check": check,
+                "time_limit": TIME_LIMIT * max(len(problem.owner), 1),
+            }
+            number = problem.prepared.polygons.number
+            group = np.where(problem.verdict[number] == "", problem.owner, -1)
+            answers = together(
+                [smallest_dilation(budget) for budget in budgets],
+                joint_solver(problem.prepared, group, len(features), **options),
             )
-            answer, proven = smallest_dilation(solve, budget)
-            if isinstance(answer, OverBudget):
-                raise Unsolvable(
-                    f"the budget of {budget:g} cannot be met: the least possible cost is "
-                    f"{answer.least:.12g}, for the cuts that connect holes"
-                )
-            if not proven:
-                feedback.pushWarning(
-                    f"Feature {feature.id()}: a smaller detour than {answer.dilation:.6g} may be "
-                    "possible within the budget, which could be neither shown nor ruled out."
-                )
-            return answer.selections
+            tau = np.full(len(features), math.inf)
+            for f, (answer, proven) in enumerate(answers):
+                if isinstance(answer, OverBudget):
+                    problem.refuse(
+                        f,
+                        f"the budget of {budgets[f]:g} cannot be met: the least possible cost is "
+                        f"{answer.least:.12g}, for the cuts that connect holes",
+                    )
+                    continue
+                tau[f] = answer.tau
+                if not proven:
+                    feedback.pushWarning(
+                        f"Feature {features[f].id()}: a smaller detour than {answer.dilation:.6g} may "
+                        "be possible within the budget, which could be neither shown nor ruled out."
+                    )
+            return select(problem.prepared, tau[problem.owner], **options)
 
         return choose
 
-    def extra_values(self, solved):
-        return [max(p.partition.largest_dilation for p in solved if p.partition is not None)]
+    def extra_values(self, problem, solution):
+        import numpy as np
+
+        solved = problem.verdict[problem.prepared.polygons.number] == ""
+        largest = np.ones(len(problem.chunk.features))
+        np.maximum.at(largest, problem.owner[solved], solution.largest_dilation[solved])
+        return [[value] for value in largest.tolist()]

@@ -1,4 +1,4 @@
-"""From the geometry of a feature to solved polygons: what all partition tools share."""
+"""From the geometries of features to solved polygons: what all partition tools share."""
 
 import math
 from typing import Callable, NamedTuple
@@ -13,8 +13,7 @@ from qgis.core import (
     QgsProcessingUtils,
 )
 
-from ...core.errors import Unsolvable
-from ...core.progress import checker, stretch
+from ...core.progress import ignore
 from ..layers import wkb
 
 
@@ -27,8 +26,9 @@ class Settings(NamedTuple):
     min_length, min_hole : float
     lines : CandidateLines or None
     weigh : callable or None
-        ``(feature, coords, near, prepared)`` to the weights of the candidates; None for MinSize.
-        ``near`` has the numbers of the lines given for this polygon, or is None.
+        ``(chunk, near, prepared)`` to the weights of the candidates, and {polygon of the chunk: why it has
+        none}; None for MinSize. ``near`` has, for each polygon, the numbers of the lines given for it, or
+        is None.
     all_dilations : bool
     """
 
@@ -40,56 +40,84 @@ class Settings(NamedTuple):
     all_dilations: bool
 
 
-class Solved(NamedTuple):
-    """One polygon of a feature.
+class Chunk(NamedTuple):
+    """Features as flat arrays.
 
     Attributes
     ----------
-    coords : (k, d) float
-        Its vertices.
-    offsets : (r + 1,) int
-        Where each of its rings starts.
-    partition : core.partition.solve.Partition or None
-    problem : str
-        Why there is no partition, or ''.
-    area : (m,) float
-        Areas of its parts, the largest first.
+    features : list of QgsFeature
+    rings : core.rings.Rings
+        All their polygons.
+    owner : (q,) int
+        The feature of each polygon, as a place in ``features``.
+    extra : list of int
+        The `wkb.dimensions` of each feature.
+    measure : core.metric.Metric
     """
 
-    coords: object
-    offsets: object
-    partition: object
-    problem: str
-    area: object
-
-    def rings(self, part):
-        """Rings of rows of a part; a polygon in one piece stays as it was."""
-        if len(self.area) > 1:
-            return self.partition.parts.rings[part]
-        import numpy as np
-
-        return [np.arange(lo, hi) for lo, hi in zip(self.offsets[:-1], self.offsets[1:])]
+    features: list
+    rings: object
+    owner: object
+    extra: list
+    measure: object
 
 
-class Task(NamedTuple):
-    """One polygon of a feature, ready to be solved.
+class Problem(NamedTuple):
+    """A chunk, ready to be solved.
 
     Attributes
     ----------
-    coords, offsets
-        See `Solved`.
-    prepared : core.partition.solve.Prepared or None
+    chunk : Chunk
+    prepared : core.partition.solve.Prepared
     weight : (k,) float or None
         Weights of the candidates; None for MinSize.
-    problem : str
-        Why it is not ready, or ''.
+    verdict : (q,) object
+        For each polygon of the chunk '', or why it is not solved.
     """
 
-    coords: object
-    offsets: object
+    chunk: Chunk
     prepared: object
     weight: object
-    problem: str
+    verdict: object
+
+    @property
+    def owner(self):
+        """(p,) int: the feature of each prepared polygon."""
+        return self.chunk.owner[self.prepared.polygons.number]
+
+    def refuse(self, features, reason):
+        """Note, for features, why none of their polygons is solved; those with a reason keep it."""
+        import numpy as np
+
+        own = np.isin(self.chunk.owner, features) & (self.verdict == "")
+        self.verdict[own] = reason
+
+
+class Pieces(NamedTuple):
+    """What became of the polygons of a chunk: parts, and whole polygons that could not be solved.
+
+    They come by feature, the largest first; a polygon in one piece has its rings as they were.
+
+    Attributes
+    ----------
+    feature_offsets : (f + 1,) int
+        Where the pieces of each feature start.
+    polygon : (m,) int
+        The polygon of each, as a place in the chunk.
+    area : (m,) float
+    rows, offsets, ring_offsets : (k,) int, (r + 1,) int, (m + 1,) int
+        Rows of all rings, where each ring starts, and where the rings of each piece start.
+    number : (m',) int
+        The number within its feature, from 1, of each part of the solution.
+    """
+
+    feature_offsets: object
+    polygon: object
+    area: object
+    rows: object
+    offsets: object
+    ring_offsets: object
+    number: object
 
 
 def measure_of(crs):
@@ -104,98 +132,163 @@ def measure_of(crs):
     return metric.ellipsoidal(ellipsoid.semiMajor, ellipsoid.semiMinor)
 
 
-def solve(feature, settings, choose, feedback, progress):
-    """Partition the polygons of a feature.
+def read(features, settings, feedback):
+    """Yield the chunks of some features: one, unless some of them are not what the CRS promises.
 
     Parameters
     ----------
-    feature : QgsFeature
+    features : list of QgsFeature
     settings : Settings
-    choose : callable
-        ``(tasks, check)`` to one Selection for each task.
     feedback : QgsProcessingFeedback
-    progress : callable
-        Called with the share done of this feature.
-
-    Returns
-    -------
-    list of Solved
-        Empty for a geometry without polygons.
-
-    Raises
-    ------
-    Cancelled
-    """
-    from ...core.partition.solve import finish
-
-    check = checker(progress, feedback.isCanceled)
-    tasks = prepare_tasks(feature, settings, feedback, stretch(check, 0.0, 0.65))
-    ready = [task for task in tasks if not task.problem]
-    try:
-        selections = choose(ready, stretch(check, 0.65, 0.9)) if ready else []
-    except Unsolvable as problem:
-        tasks = [task._replace(problem=task.problem or str(problem)) for task in tasks]
-        selections = []
-    remaining = iter(selections)
-    solved = []
-    for task in tasks:
-        if task.problem:
-            area = [_area(task.coords, task.offsets, settings.measure)]
-            solved.append(Solved(task.coords, task.offsets, None, task.problem, area))
-            continue
-        result = finish(task.prepared, next(remaining), settings.all_dilations, check)
-        solved.append(Solved(task.coords, task.offsets, result, "", result.parts.area))
-    check(1.0)
-    return solved
-
-
-def prepare_tasks(feature, settings, feedback, check):
-    """Prepare the polygons of a feature; see `solve`.
-
-    Returns
-    -------
-    list of Task
     """
     import numpy as np
 
     from ...core import metric
-    from ...core.partition.solve import prepare
 
-    parts = wkb.polygons(feature.geometry())
-    measure, lines = settings.measure, settings.lines
-    if measure.conformal and any(np.nanmax(np.abs(c[:, 1])) > 90.0 + 1e-9 for c, _ in parts):
-        feedback.pushWarning(
-            f"Feature {feature.id()} has a latitude beyond 90 degrees. Its coordinates are taken as "
-            "those of a plane. Is the CRS of the layer right?"
-        )
-        measure = metric.planar()
-    total = sum(len(coords) for coords, _ in parts)
-    done, tasks = 0, []
-    for coords, offsets in parts:
-        near = lines.near(coords) if lines else None
-        try:
-            prepared = prepare(
-                coords,
-                offsets,
-                settings.min_length,
-                settings.min_hole,
-                None if near is None else lines.ends[near],
-                measure,
-                check=stretch(check, done / total, (done + len(coords)) / total),
+    rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in features)
+    whole = Chunk(features, rings, owner, extra, settings.measure)
+    if not settings.measure.conformal or not len(rings.coords):
+        yield whole
+        return
+    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
+    strange = np.zeros(len(features), dtype=bool)
+    strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
+    if not strange.any():
+        yield whole
+        return
+    for run in np.split(np.arange(len(features)), np.flatnonzero(np.diff(strange)) + 1):
+        own = [features[k] for k in run.tolist()]
+        rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in own)
+        measure = metric.planar() if strange[run[0]] else settings.measure
+        for feature in own if strange[run[0]] else ():
+            feedback.pushWarning(
+                f"Feature {feature.id()} has a latitude beyond 90 degrees. Its coordinates are taken "
+                "as those of a plane. Is the CRS of the layer right?"
             )
-            if near is not None:
-                lines.note(near, prepared.lines)
-            weight = settings.weigh and settings.weigh(feature, coords, near, prepared)
-            tasks.append(Task(coords, offsets, prepared, weight, ""))
-        except Unsolvable as problem:
-            tasks.append(Task(coords, offsets, None, None, str(problem)))
-        done += len(coords)
-    return tasks
+        yield Chunk(own, rings, owner, extra, measure)
 
 
-def weigh_by_length(feature, coords, near, prepared):
+def prepare(chunk, settings, check=ignore):
+    """Prepare the polygons of a chunk; may raise `Cancelled`.
+
+    Returns
+    -------
+    Problem
+    """
+    from ...core.partition import solve as core
+
+    near = None
+    if settings.lines:
+        bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()
+        near = [
+            settings.lines.near(chunk.rings.coords[lo:hi])
+            for lo, hi in zip(bounds[:-1], bounds[1:])
+        ]
+    prepared = core.prepare(
+        chunk.rings,
+        min_length=settings.min_length,
+        min_hole=settings.min_hole,
+        lines=None if near is None else [settings.lines.ends[own] for own in near],
+        measure=chunk.measure,
+        check=check,
+    )
+    verdict = prepared.verdict.copy()
+    if near is not None:
+        for own, lines in zip(near, prepared.lines):
+            if lines is not None:
+                settings.lines.note(own, lines)
+    weight = None
+    if settings.weigh:
+        weight, reasons = settings.weigh(chunk, near, prepared)
+        for polygon, reason in reasons.items():
+            verdict[polygon] = reason
+    return Problem(chunk, prepared, weight, verdict)
+
+
+def by_feature(problem, values):
+    """Sum up numbers of the prepared polygons that are solved, for each feature."""
+    import numpy as np
+
+    solved = problem.verdict[problem.prepared.polygons.number] == ""
+    return np.bincount(
+        problem.owner[solved], weights=values[solved], minlength=len(problem.chunk.features)
+    )
+
+
+def pieces(problem, parts):
+    """Arrange what became of the polygons of a chunk.
+
+    Parameters
+    ----------
+    problem : Problem
+    parts : core.partition.parts.Parts
+        Of the prepared polygons.
+
+    Returns
+    -------
+    Pieces
+    """
+    import numpy as np
+
+    from ...core.rings import groups, offsets_of, take
+
+    rings, owner = problem.chunk.rings, problem.chunk.owner
+    number = problem.prepared.polygons.number
+    count, part_count = len(owner), len(parts.area)
+    part_polygon = np.repeat(number, np.diff(parts.part_offsets))
+    solved = np.flatnonzero(problem.verdict[part_polygon] == "")
+    whole = np.flatnonzero(problem.verdict != "")
+    # the parts, and behind them the polygons as they came
+    polygon = np.concatenate((part_polygon[solved], whole))
+    piece = np.concatenate((solved, part_count + whole))
+    area = np.concatenate((
+        parts.area[solved], _areas(rings, whole, problem.chunk.measure)
+    ))
+    order = np.lexsort((piece, polygon, -area, owner[polygon]))
+    rank = np.empty(part_count, dtype=np.int64)
+    feature_offsets = offsets_of(np.bincount(owner[polygon], minlength=len(problem.chunk.features)))
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order)) - feature_offsets[owner[polygon[order]]] + 1
+    rank[solved] = place[:len(solved)]
+    polygon, piece, area = polygon[order], piece[order], area[order]
+
+    single = np.bincount(part_polygon, minlength=count)[polygon] == 1
+    piece = np.where(single, part_count + polygon, piece)
+    rows = np.concatenate((parts.rows, np.arange(len(rings.coords))))
+    offsets = np.append(parts.offsets[:-1], parts.offsets[-1] + rings.offsets)
+    ring_offsets = np.append(
+        parts.ring_offsets[:-1], parts.ring_offsets[-1] + rings.polygon_offsets
+    )
+    ring, ring_offsets = take(ring_offsets, piece)
+    row, offsets = take(offsets, ring)
+    return Pieces(feature_offsets, polygon, area, rows[row], offsets, ring_offsets, rank)
+
+
+def _areas(rings, which, measure):
+    """Areas of polygons that could not be solved, for their place among the parts; 0 where they have none."""
+    import numpy as np
+
+    from ...core.rings import signed_areas, take
+
+    area = np.zeros(len(which))
+    ring, polygon_offsets = take(rings.polygon_offsets, which)
+    size = np.diff(rings.offsets)[ring]
+    if not len(ring):
+        return area
+    hollow = np.minimum.reduceat(size, polygon_offsets[:-1]) == 0
+    if hollow.any():
+        area[~hollow] = _areas(rings, which[~hollow], measure)
+        return area
+    row, offsets = take(rings.offsets, ring)
+    with np.errstate(all="ignore"):
+        own = np.abs(signed_areas(measure.equal_area(rings.coords[row, :2]), offsets))
+        first = own[polygon_offsets[:-1]]
+        return np.nan_to_num(first - (np.add.reduceat(own, polygon_offsets[:-1]) - first))
+
+
+def weigh_by_length(chunk, near, prepared):
     """Weights of MinLength."""
-    return prepared.length * prepared.polygon.unit
+    return prepared.length, {}
 
 
 def weigh_by_expression(text, source, lines, context):
@@ -219,35 +312,39 @@ def weigh_by_expression(text, source, lines, context):
     expression = QgsExpression(text)
     expression.prepare(context)
 
-    def weigh(feature, coords, near, prepared):
+    def weigh(chunk, near, prepared):
         import numpy as np
 
-        extra = wkb.dimensions(feature.geometry().wkbType())
-        attributes = feature.attributes()
-        edge_lines = None if near is None else near[prepared.lines.edge_line].tolist()
-        unit = prepared.polygon.unit
-        weights = np.empty(len(prepared.edges))
+        polygon = prepared.polygons.number[prepared.owner]
+        feature_of = chunk.owner[polygon].tolist()
+        geometries = wkb.line_geometries(
+            chunk.rings.coords, prepared.edge_rows, [chunk.extra[f] for f in feature_of]
+        )
+        weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)
-        for k, (rows, length, detour) in enumerate(
-            zip(prepared.edge_rows, prepared.length.tolist(), prepared.detour.tolist())
+        for k, (geometry, p, f, length, detour) in enumerate(
+            zip(geometries, polygon.tolist(), feature_of, prepared.length.tolist(),
+                prepared.detour.tolist())
         ):
-            own = attributes if edge_lines is None else attributes + lines.attributes[edge_lines[k]]
+            if p in reasons:
+                continue
+            own, line = chunk.features[f].attributes(), None
+            if near is not None:
+                line = int(near[p][prepared.edge_line[k]])
+                own = own + lines.attributes[line]
             candidate.setAttributes(own)
-            candidate.setGeometry(wkb.line_geometry(coords, rows, extra))
-            scope.setVariable("length", length * unit)
+            candidate.setGeometry(geometry)
+            scope.setVariable("length", length)
             scope.setVariable("detour", detour if math.isfinite(detour) else NULL)
             scope.setFeature(candidate)
             weight = _number(expression.evaluate(context))
-            if not 0.0 <= weight < math.inf:
-                name = (
-                    f"line {lines.ids[edge_lines[k]]}"
-                    if edge_lines is not None
-                    else candidate.geometry().asWkt(6)
-                )
-                reason = expression.evalErrorString() or "it must be a number of at least 0"
-                raise Unsolvable(f"the weight of candidate {name} cannot be used: {reason}")
-            weights[k] = weight
-        return weights
+            if 0.0 <= weight < math.inf:
+                weights[k] = weight
+                continue
+            name = geometry.asWkt(6) if line is None else f"line {lines.ids[line]}"
+            reason = expression.evalErrorString() or "it must be a number of at least 0"
+            reasons[p] = f"the weight of candidate {name} cannot be used: {reason}"
+        return weights, reasons
 
     return weigh
 
@@ -276,16 +373,3 @@ def _number(value):
         return float(value)
     except (TypeError, ValueError):
         return math.nan
-
-
-def _area(coords, offsets, measure):
-    """Area of a polygon that could not be solved, for its place among the parts."""
-    import numpy as np
-
-    from ...core.partition.polygon import signed_areas
-
-    if (np.diff(offsets) == 0).any():
-        return 0.0
-    with np.errstate(all="ignore"):
-        area = np.abs(signed_areas(measure.equal_area(coords[:, :2]), offsets))
-        return float(np.nan_to_num(area[0] - area[1:].sum()))

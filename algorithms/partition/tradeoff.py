@@ -18,7 +18,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled, Unsolvable
+from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
 from . import report
 from ..base import Steps
@@ -26,7 +26,7 @@ from .cutting import BY_SIZE, PartitionTool
 from ..layers.wkb import INTEGER, LONG, REAL
 from .partition_budget import TIME_LIMIT
 from ..layers.sinks import Sinks, make_fields
-from .solving import prepare_tasks
+from .solving import prepare, read
 
 FIELDS = (
     ("source", LONG),
@@ -159,56 +159,53 @@ class TradeoffAlgorithm(PartitionTool):
 
     def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
         """Write the steps of each feature; return the curves for the report, and the numbers."""
-        from ...core.partition.tradeoff import joint_solver, trade_off
         from ...core.partition.tradeoff import paying_steps
 
         name_of = self._names(sinks.parameters, sinks.context)
         curves, count, skipped = [], 0, 0
         steps = Steps(source, feedback)
-        for feature in steps:
-            check = checker(steps.progress, feedback.isCanceled)
-            try:
-                tasks = prepare_tasks(feature, settings, feedback, stretch(check, 0.0, 0.3))
-                ready = [task for task in tasks if not task.problem]
-                if not ready:
-                    problem = tasks[0].problem if tasks else "it has no polygon"
-                    raise Unsolvable(problem)
-                solve = joint_solver(
-                    [task.prepared for task in ready],
-                    [task.weight for task in ready],
-                    time_limit=TIME_LIMIT,
-                    check=stretch(check, 0.3, 0.9),
-                )
-                curve = trade_off(solve, low, high, most)
-                rows = [_row(feature.id(), ready, joint, check) for joint in curve.solutions]
-            except Unsolvable as problem:
-                skipped += 1
-                feedback.pushWarning(f"Feature {feature.id()} has no curve: {problem}.")
-                continue
-            except Cancelled:
-                break
-            left_out = {task.problem for task in tasks if task.problem}
-            if left_out:
-                skipped += 1
-                feedback.pushWarning(
-                    f"Feature {feature.id()}: parts of it were left out: {'; '.join(left_out)}."
-                )
-            for row in rows:
-                sinks.add(self.OUTPUT, None, row, f"feature {feature.id()}")
-            count += len(rows)
-            _, tau, cuts, _, cost, share = map(list, zip(*rows))
-            curves.append(
-                {
-                    "name": name_of(feature),
-                    "unit": unit,
-                    "tau": tau,
-                    "cost": cost,
-                    "cuts": cuts,
-                    "share": share,
-                    "marked": paying_steps(tau, cost),
-                    "complete": curve.complete,
-                }
-            )
+        check = checker(steps.progress, feedback.isCanceled)
+        try:
+            for features in steps.chunks():
+                for chunk in read(features, settings, feedback):
+                    problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
+                    found = _curves(problem, low, high, most, stretch(check, 0.3, 0.9))
+                    for f, feature in enumerate(chunk.features):
+                        check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
+                        reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
+                        if not any(reason == "" for reason in reasons):
+                            skipped += 1
+                            reason = reasons[0] if reasons else "it has no polygon"
+                            feedback.pushWarning(f"Feature {feature.id()} has no curve: {reason}.")
+                            continue
+                        reasons.remove("")
+                        if reasons:
+                            skipped += 1
+                            feedback.pushWarning(
+                                f"Feature {feature.id()}: parts of it were left out: "
+                                f"{'; '.join(reasons)}."
+                            )
+                        curve, rows = found[f]
+                        for row in rows:
+                            sinks.add(
+                                self.OUTPUT, None, [feature.id(), *row], f"feature {feature.id()}"
+                            )
+                        count += len(rows)
+                        tau, cuts, _, cost, share = map(list, zip(*rows))
+                        curves.append(
+                            {
+                                "name": name_of(feature),
+                                "unit": unit,
+                                "tau": tau,
+                                "cost": cost,
+                                "cuts": cuts,
+                                "share": share,
+                                "marked": paying_steps(tau, cost),
+                                "complete": curve.complete,
+                            }
+                        )
+        except Cancelled:
+            pass
         return curves, {self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped}
 
     def _names(self, parameters, context):
@@ -246,17 +243,43 @@ class TradeoffAlgorithm(PartitionTool):
             raise QgsProcessingException(f"The report could not be written: {error}") from error
 
 
-def _row(source, tasks, joint, check):
-    """The fields of a step."""
-    from ...core.partition.solve import finish
+def _curves(problem, low, high, most, check):
+    """The trade-off of each feature of a chunk, and the fields of its steps."""
+    import numpy as np
 
-    parts, cuts, length = [], 0, 0.0
-    for task, selection in zip(tasks, joint.selections):
-        result = finish(task.prepared, selection, check=check)
-        parts += result.parts.area.tolist()
-        cuts += len(selection.selected)
-        length += float(result.length[selection.selected].sum())
-    total = math.fsum(parts)
-    # no number where areas are beyond what doubles hold
-    share = max(parts) / total if 0.0 < total < math.inf else NULL
-    return [source, joint.dilation, cuts, length, joint.cost, share]
+    from ...core.partition.solve import finish, select
+    from ...core.partition.tradeoff import joint_solver, together, trade_off
+
+    count, prepared = len(problem.chunk.features), problem.prepared
+    solved = problem.verdict[prepared.polygons.number] == ""
+    options = {
+        "weight": problem.weight, "max_gap": 0.0, "check": check,
+        "time_limit": TIME_LIMIT * max(len(solved), 1),
+    }
+    solve = joint_solver(prepared, np.where(solved, problem.owner, -1), count, **options)
+    curves = together([trade_off(low, high, most) for _ in range(count)], solve)
+    rows = [[] for _ in range(count)]
+    for step in range(max((len(curve.solutions) for curve in curves), default=0)):
+        own = [curve.solutions[step] if step < len(curve.solutions) else None for curve in curves]
+        tau = np.array([math.inf if joint is None else joint.tau for joint in own])
+        selection = select(prepared, tau[problem.owner], **options)
+        result = finish(prepared, selection, check=check)
+        of_cut = problem.owner[prepared.owner[selection.selected]]
+        mine = solved[prepared.owner[selection.selected]]
+        cuts = np.bincount(of_cut[mine], minlength=count)
+        length = np.bincount(
+            of_cut[mine], weights=prepared.length[selection.selected[mine]], minlength=count
+        )
+        part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
+        mine = solved[part_polygon]
+        of_part, area = problem.owner[part_polygon[mine]], result.parts.area[mine]
+        total, largest = np.bincount(of_part, weights=area, minlength=count), np.zeros(count)
+        np.maximum.at(largest, of_part, area)
+        for f, joint in enumerate(own):
+            if joint is not None:
+                # no number where areas are beyond what doubles hold
+                share = float(largest[f] / total[f]) if 0.0 < total[f] < math.inf else NULL
+                rows[f].append(
+                    [joint.dilation, int(cuts[f]), float(length[f]), joint.cost, share]
+                )
+    return list(zip(curves, rows))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from ..partition.polygon import signed_areas
+from ..rings import signed_areas
 
 __all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads"]
 

@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 
 from ..errors import Cancelled, Unsolvable
-from ..partition.polygon import from_rings, signed_areas
-from ..partition.triangulation import triangles
+from ..partition import polygon as polygon_stage
+from ..partition.triangulation import triangulate
+from ..rings import signed_areas
 from .crossings import FLAT, crossing_pairs, cycles, turned
 from .deformation import focus_program
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
@@ -554,10 +555,10 @@ def _triangles(graph, xy, starts, polygons, check):
         if offsets[1] < 3:
             continue
         try:
-            polygon = from_rings(xy[vertices], offsets)
+            polygon = polygon_stage.one(xy[vertices], offsets)
             corner = np.empty(len(polygon.xy), dtype=np.int64)
             corner[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
-            found.append(vertices[corner[triangles(polygon)]])
+            found.append(vertices[corner[triangulate(polygon)[0]]])
         except Unsolvable:
             continue
     return np.concatenate(found)

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import Unsolvable
+from ..partition import polygon as polygon_stage
 from ..partition.carving import carve, components, spanning_tree
-from ..partition.solve import partition
 from ..partition.min_size import SELF
-from ..partition.polygon import from_rings
-from ..partition.triangulation import diagonals
+from ..partition.solve import AMBIGUOUS, partition
+from ..partition.triangulation import diagonals, triangulate
 
 __all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
 
@@ -28,7 +29,7 @@ def min_size(coords, offsets, tau, check):
     Parameters
     ----------
     coords, offsets
-        Rings of one polygon, see `polygon.from_rings`.
+        Rings of one polygon, see `polygon.one`.
     tau : float
         At least 1.
     check : callable
@@ -71,13 +72,15 @@ def greedy(coords, offsets, tau, check):
     way around its part over its length. O(n) for each edge added, less as the parts get smaller.
     A polygon with holes is first joined by a shortest spanning tree (section 4.3).
     """
-    polygon = from_rings(coords, offsets)
-    edges = diagonals(polygon)
+    polygon, edges = _candidates(coords, offsets)
     component = components(polygon)
     length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T)
-    wanted = set(component.tolist())
-    tree = spanning_tree(polygon, component, edges, length, wanted)
-    walk = carve(polygon, component, edges, tree, wanted)
+    wanted = np.zeros(len(component), dtype=bool)
+    wanted[component] = True
+    tree, _ = spanning_tree(polygon, component, edges, length, wanted)
+    walk, ambiguous = carve(polygon, component, edges, tree, wanted)
+    if ambiguous[0]:
+        raise Unsolvable(AMBIGUOUS)
     free = np.ones(len(edges), dtype=bool)
     free[tree] = False
     free = np.flatnonzero(free)
@@ -130,10 +133,9 @@ def proximity(coords, offsets, reach, check):
     -----
     A way is short if it has fewer than `HOPS` segments of the outline.
     """
-    polygon = from_rings(coords, offsets)
+    polygon, edges = _candidates(coords, offsets)
     check()
-    edges = diagonals(polygon)
-    length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T) * polygon.unit
+    length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T) * polygon.unit[0]
     edges = edges[length < reach]
     corner = np.empty(len(polygon.xy), dtype=np.int64)
     corner[polygon.vertex] = np.arange(len(polygon.vertex))
@@ -175,6 +177,15 @@ def select(rule, coords, offsets, tau, extent, check):
     if rule == "Proximity":
         return proximity(coords, offsets, REACH * extent, check)
     return np.empty((0, 2), dtype=np.int64)
+
+
+def _candidates(coords, offsets):
+    """A polygon, and the diagonals of its triangulation."""
+    polygon = polygon_stage.one(coords, offsets)
+    triangles, (problem,) = triangulate(polygon)
+    if problem:
+        raise Unsolvable(problem)
+    return polygon, diagonals(polygon, triangles)
 
 
 def _rows(polygon, edges):

@@ -5,14 +5,17 @@ Section 4.2 of the paper: any set of diagonals that do not cross serves as candi
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 import shapely
 
-from .polygon import signed_areas, without_rings
+from ..metric import Metric
 from ..predicates import crossing
-from .triangulation import diagonals
+from ..progress import ignore
+from ..rings import groups, shapes, signed_areas, take
+from .polygon import Polygons, select, without_rings
+from .triangulation import diagonals, triangulate
 
 __all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "counted", "from_lines",
            "from_triangulation"]
@@ -51,7 +54,8 @@ def from_lines(polygon, lines):
 
     Parameters
     ----------
-    polygon : Polygon
+    polygon : Polygons
+        A chunk of one.
     lines : (l, 2, 2) float
         The ends of straight lines.
 
@@ -65,7 +69,7 @@ def from_lines(polygon, lines):
     O((n + l) log n), but for one test of each line against the polygon.
     """
     with np.errstate(over="ignore"):  # a line far off a tiny polygon
-        lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit
+        lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit[0]
     verdict = np.full(len(lines), OFF_VERTICES)
     other = np.full(len(lines), -1)
     ends = _nearest_vertices(polygon.xy, lines)
@@ -105,68 +109,100 @@ def from_lines(polygon, lines):
     return Lines(np.column_stack((u, v))[order], good[order], verdict, other)
 
 
-def from_triangulation(polygon, component, wanted, conformal=None, engine=None):
-    """Find the diagonals of a triangulation that do not touch the boundary components left out.
+def from_triangulation(
+    polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
+    engine: str | None = None, check: Callable = ignore,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find the diagonals of triangulations that do not touch the boundary components left out.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     component : (r,) int
         Component of each ring.
-    wanted : set of int
+    wanted : (r,) bool
         The components that count. The triangulation is that of the polygon without the others, so
         that a neck with an islet in it can still be cut beside the islet.
-    conformal, engine
-        See `triangulation.diagonals`.
+    measure, engine, check
+        See `triangulation.triangulate`.
 
     Returns
     -------
-    (k, 2) int
-        Vertex indices u < v, u ascending, then v descending.
+    edges : (k, 2) int
+        Vertices u < v, u ascending, then v descending.
+    verdict : (p,) object
+        For each polygon '', or why it could not be triangulated; it has no edges then.
     """
-    free = ~np.isin(component, list(wanted))
-    if not free.any():
-        return diagonals(polygon, conformal, engine)
-    rest, vertex = without_rings(polygon, free)
-    edges = vertex[diagonals(rest, conformal, engine)]
-    rings = shapely.linearrings(polygon.xy[polygon.vertex], indices=polygon.ring_of_corner)
-    holes = shapely.STRtree(shapely.polygons(rings[free]))
-    hit, _ = holes.query(shapely.linestrings(polygon.xy[edges]), predicate="intersects")
-    return np.delete(edges, hit, axis=0)
+    free = ~wanted[component]
+    rest, vertex = without_rings(polygons, free) if free.any() else (polygons, None)
+    triangles, verdict = triangulate(
+        rest, conformal=measure.conformal, engine=engine, check=check
+    )
+    if (verdict != "").any():
+        good, number = select(rest, np.flatnonzero(verdict == ""))
+        back = np.empty(len(rest.xy), dtype=np.int64)
+        back[number] = np.arange(len(number))
+        edges = number[diagonals(good, back[triangles])]
+    else:
+        edges = diagonals(rest, triangles)
+    if vertex is None:
+        return edges, verdict
+    edges = vertex[edges]
+    owner = polygons.polygon_of_vertex[edges[:, 0]]
+    bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
+    hit = [np.empty(0, dtype=np.int64)]
+    for p in np.unique(polygons.polygon_of_ring[free]).tolist():
+        own = np.arange(*polygons.polygon_offsets[p:p + 2])
+        corner, offsets = take(polygons.offsets, own[free[own]])
+        holes = shapely.polygons(
+            shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
+        )
+        lines = shapely.linestrings(polygons.xy[edges[bounds[p]:bounds[p + 1]]])
+        hit.append(bounds[p] + shapely.STRtree(holes).query(lines, predicate="intersects")[0])
+    return np.delete(edges, np.concatenate(hit), axis=0), verdict
 
 
-def counted(polygon, component, equal_area, min_hole):
+def counted(
+    polygons: Polygons, component: np.ndarray, equal_area: Callable, min_hole: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Find the boundary components that count, and the vertices where cuts may end.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     component : (r,) int
         Component of each ring.
     equal_area : callable
         See `metric.Metric`.
-    min_hole : float
+    min_hole : (p,) float
         Holes with a smaller area do not count, unless they touch a ring that does.
 
     Returns
     -------
-    wanted : set of int
-        The components that count.
+    wanted : (r,) bool
+        Whether a component, by its number, counts.
     attachable : (n,) bool
         Vertices on a ring that counts by itself.
     """
-    attachable = np.ones(len(polygon.xy), dtype=bool)
-    if len(component) == 1 or min_hole <= 0.0:
-        return set(component.tolist()), attachable
-    area = np.abs(signed_areas(equal_area(polygon.xy)[polygon.vertex], polygon.offsets))
+    wanted = np.zeros(len(component), dtype=bool)
+    attachable = np.ones(len(polygons.xy), dtype=bool)
+    if not (min_hole > 0.0).any() or len(component) == len(polygons.unit):
+        wanted[component] = True
+        return wanted, attachable
+    of_ring = polygons.polygon_of_ring
+    unit = polygons.unit[of_ring]
+    xy = equal_area(polygons.xy)
+    area = np.abs(signed_areas(xy[polygons.vertex], polygons.offsets))
     with np.errstate(over="ignore"):
-        counts = area * polygon.unit * polygon.unit >= min_hole
-    counts[0] = True
+        counts = area * unit * unit >= min_hole[of_ring]
+    counts[polygons.polygon_offsets[:-1]] = True
     # a corner inserted where a small hole touches an edge is a vertex of that hole alone
-    own = counts[polygon.ring_of_corner] & ~polygon.inserted
+    own = counts[polygons.ring_of_corner] & ~polygons.inserted
     attachable[:] = False
-    attachable[polygon.vertex[own]] = True
-    return set(component[counts].tolist()), attachable
+    attachable[polygons.vertex[own]] = True
+    attachable |= (min_hole <= 0.0)[polygons.polygon_of_vertex]
+    wanted[component[counts]] = True
+    return wanted, attachable
 
 
 def _nearest_vertices(xy, lines):
@@ -183,8 +219,7 @@ def _nearest_vertices(xy, lines):
 
 def _against_polygon(polygon, segments):
     """Whether the interior of each segment lies in the interior of the polygon."""
-    rings = shapely.linearrings(polygon.xy[polygon.vertex], indices=polygon.ring_of_corner)
-    shape = shapely.polygons(rings[0], rings[1:])
+    (shape,) = shapes(polygon.xy[polygon.vertex], polygon.offsets, polygon.polygon_offsets)
     shapely.prepare(shape)
     inside = shapely.covers(shape, segments)
     verdict = np.where(inside, TOUCHES, LEAVES)

@@ -1,8 +1,10 @@
-"""Polygons with holes (section 4.3 of the paper): carve the polygon open along a spanning tree.
+"""Polygons with holes (section 4.3 of the paper): carve them open along spanning trees.
 
 The edges of the tree T join the boundary components; walking around all of them, passing each edge
 of T twice, gives one closed walk, and with it a polygon without holes P_T. Rings that touch are one
 component: the walk simply passes from one to the other.
+
+All polygons of a chunk go together. Those without holes stay as they are.
 """
 
 from __future__ import annotations
@@ -11,14 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import Unsolvable
-from ..predicates import sort_ccw
+from ..predicates import ccw_order
+from ..rings import groups, offsets_of, ranges
+from .polygon import Polygons
 
 __all__ = ["Walk", "carve", "components", "spanning_tree"]
 
 
 class Walk(NamedTuple):
-    """The closed walk around P_T, with the interior on its left.
+    """The closed walks around the P_T, with the interior on the left, one after the other.
 
     Attributes
     ----------
@@ -29,212 +32,263 @@ class Walk(NamedTuple):
         -1 - t for edge t of T.
     i, j : (k,) int
         Places of the ends of each candidate, i < j (both 0 for edges of T).
+    offsets : (p + 1,) int
+        Where the places of each polygon start.
     """
 
     corner: np.ndarray
     edge: np.ndarray
     i: np.ndarray
     j: np.ndarray
+    offsets: np.ndarray
 
 
-def components(polygon):
-    """Return the (r,) number of the boundary component of each ring; the shell has 0."""
-    root = list(range(len(polygon.offsets) - 1))
+def components(polygons: Polygons) -> np.ndarray:
+    """Return the (r,) number of the boundary component of each ring: that of its first ring.
 
-    ring = polygon.ring_of_corner
-    shared = np.flatnonzero(np.bincount(polygon.vertex)[polygon.vertex] > 1)
-    shared = shared[np.argsort(polygon.vertex[shared], kind="stable")]
-    for a, b in zip(shared[:-1], shared[1:]):
-        if polygon.vertex[a] == polygon.vertex[b]:
-            _union(root, ring[a], ring[b])
-    return np.array([_find(root, k) for k in range(len(root))])
+    Notes
+    -----
+    O(c log c) for c corners at points where rings touch; nothing else is looked at.
+
+    Examples
+    --------
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> rings = [[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4], [5, 4], [6, 5], [6, 4.0]]
+    >>> components(from_rings(one_polygon(np.array(rings), [0, 4, 7, 10]))[0])
+    array([0, 1, 1])
+    """
+    number = np.arange(len(polygons.offsets) - 1)
+    if len(polygons.vertex) == len(polygons.xy):
+        return number
+    passes = np.bincount(polygons.vertex, minlength=len(polygons.xy))
+    shared = np.flatnonzero(passes[polygons.vertex] > 1)
+    shared = shared[np.argsort(polygons.vertex[shared], kind="stable")]
+    same = polygons.vertex[shared[1:]] == polygons.vertex[shared[:-1]]
+    ring = np.searchsorted(polygons.offsets, shared, side="right") - 1
+    a, b = ring[:-1][same], ring[1:][same]
+    while True:
+        # hang the larger of two numbers on the smaller, then everything on its root
+        a, b = number[a], number[b]
+        apart = a != b
+        if not apart.any():
+            return number
+        a, b = a[apart], b[apart]
+        np.minimum.at(number, np.maximum(a, b), np.minimum(a, b))
+        while True:
+            root = number[number]
+            if np.array_equal(root, number):
+                break
+            number = root
 
 
-def spanning_tree(polygon, component, edges, length, wanted):
-    """Join the wanted boundary components by a minimum spanning tree (Kruskal).
+def spanning_tree(
+    polygons: Polygons, component: np.ndarray, edges: np.ndarray, length: np.ndarray,
+    wanted: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Join the wanted boundary components of each polygon by a minimum spanning tree (Kruskal).
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     component : (r,) int
         Component of each ring.
     edges : (k, 2) int
         Vertex indices of the edges to choose from.
     length : (k,) float
-    wanted : set of int
-        The components to join.
+    wanted : (r,) bool
+        Whether a component, by its number, is to be joined.
 
     Returns
     -------
-    (t,) int
+    tree : (t,) int
         The edges of T, ascending. Ties of length are broken by the coordinates of the ends.
+    apart : (p,) int
+        How many components of each polygon its edges do not join to the others.
 
-    Raises
-    ------
-    Unsolvable
-        If the edges do not connect all of them.
+    Notes
+    -----
+    O(k log k) for k edges between components.
     """
-    if len(wanted) < 2:
-        return np.empty(0, dtype=np.int64)
-    of_vertex = np.empty(len(polygon.xy), dtype=np.int64)
-    of_vertex[polygon.vertex] = component[polygon.ring_of_corner]
+    count = len(polygons.polygon_offsets) - 1
+    own = np.flatnonzero(component == np.arange(len(component)))
+    owner = polygons.polygon_of_ring
+    apart = np.maximum(np.bincount(owner[own[wanted[own]]], minlength=count) - 1, 0)
+    missing = int(apart.sum())
+    if missing == 0:
+        return np.empty(0, dtype=np.int64), apart
+    of_vertex = np.empty(len(polygons.xy), dtype=np.int64)
+    of_vertex[polygons.vertex] = np.repeat(component, np.diff(polygons.offsets))
     ends = of_vertex[edges]
-    joining = np.flatnonzero(
-        (ends[:, 0] != ends[:, 1]) & np.isin(ends, list(wanted)).all(axis=1)
-    )
-    first, second = np.sort(_lexicographic_rank(polygon.xy)[edges[joining]], axis=1).T
-    joining = joining[np.lexsort((second, first, length[joining]))]
-    root = list(range(len(component)))
-    tree = []
-    for edge, (a, b) in zip(joining.tolist(), ends[joining].tolist()):
-        if _union(root, a, b):
+    joining = np.flatnonzero((ends[:, 0] != ends[:, 1]) & wanted[ends].all(axis=1))
+    joining = joining[_by_length(polygons.xy, edges[joining], length[joining])]
+    root, tree = list(range(len(component))), []
+    for edge, a, b in zip(joining.tolist(), *ends[joining].T.tolist()):
+        while root[a] != a:
+            root[a] = a = root[root[a]]
+        while root[b] != b:
+            root[b] = b = root[root[b]]
+        if a != b:
+            root[max(a, b)] = min(a, b)
             tree.append(edge)
-            if len(tree) == len(wanted) - 1:
-                return np.sort(tree)
-    apart = len({_find(root, k) for k in wanted}) - 1
-    raise Unsolvable(
-        f"the candidate diagonals do not connect {apart} of {len(wanted) - 1} holes to the rest"
-    )
+            if len(tree) == missing:
+                break
+    tree = np.sort(np.array(tree, dtype=np.int64))
+    return tree, apart - np.bincount(owner[ends[tree, 0]], minlength=count)
 
 
-def carve(polygon, component, edges, tree, wanted):
-    """Walk around the polygon carved open along T, and place all candidates on the walk.
+def carve(
+    polygons: Polygons, component: np.ndarray, edges: np.ndarray, tree: np.ndarray,
+    wanted: np.ndarray,
+) -> tuple[Walk, np.ndarray]:
+    """Walk around the polygons carved open along T, and place all candidates on the walks.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     component : (r,) int
     edges : (k, 2) int
         Candidates; none at a vertex that only unwanted components have.
     tree : (t,) int
         Which of them are in T.
-    wanted : set of int
-        The components that T joins. Others are no part of the walk.
+    wanted : (r,) bool
+        The components that T joins, by their numbers. Others are no part of a walk.
 
     Returns
     -------
-    Walk
-        Starts at the shell's first corner.
+    walk : Walk
+        Each polygon's starts at its shell's first corner.
+    ambiguous : (p,) bool
+        Polygons whose rings touch in such a way that there is no single walk around all of them. They
+        have no places, and their candidates are nowhere.
 
     Notes
     -----
-    O(n), and O(d log d) for a vertex of degree d that is passed more than once.
+    O(n), and O(d log d) for a vertex of degree d that is passed more than once. A loop only over the
+    turns of the walks from ring to ring.
     """
-    corners = len(polygon.vertex)
-    in_walk = np.isin(component, list(wanted))[polygon.ring_of_corner]
-    following = np.append(polygon.next_corner, np.empty(2 * len(tree), dtype=np.int64))
+    corners, count = len(polygons.vertex), len(polygons.polygon_offsets) - 1
+    corner_of = np.zeros(len(polygons.xy), dtype=np.int64)
+    corner_of[polygons.vertex] = np.arange(corners)
+    if len(polygons.offsets) == count + 1:  # no holes
+        place = np.arange(corners)
+        ends = np.sort(corner_of[edges], axis=1)
+        walk = Walk(place, place.copy(), ends[:, 0], ends[:, 1], polygons.corner_offsets)
+        return walk, np.zeros(count, dtype=bool)
+
+    in_walk = np.repeat(wanted[component], np.diff(polygons.offsets))
     # half-edges: c leaves corner c; corners + 2 t and + 2 t + 1 are edge t of T, there and back
-    corner_of = np.zeros(len(polygon.xy), dtype=np.int64)
-    corner_of[polygon.vertex] = np.arange(corners)
-    is_tree = np.zeros(len(edges), dtype=bool)
-    is_tree[tree] = True
+    after = np.append(polygons.next_corner, np.zeros(2 * len(tree), dtype=np.int64))
     leaves = corner_of[edges]  # the half-edge that leaves the place of each end
+    _turn(polygons, edges, tree, in_walk, after, leaves)
 
-    passes = np.bincount(polygon.vertex[in_walk], minlength=len(polygon.xy))
-    passes += np.bincount(edges[tree].ravel(), minlength=len(polygon.xy))
-    for vertex, spokes in _spokes(polygon, edges, tree, is_tree, passes, in_walk).items():
-        _turn(polygon, vertex, spokes, following, leaves)
+    owner = groups(polygons.corner_offsets)
+    owner = np.append(owner, np.repeat(owner[corner_of[edges[tree, 0]]], 2))
+    expected = np.bincount(owner[:corners][in_walk], minlength=count)
+    expected += np.bincount(owner[corners:], minlength=count)
+    halves, offsets = _follow(polygons, after)
+    ambiguous = np.diff(offsets) != expected
+    if ambiguous.any():
+        halves = halves[~np.repeat(ambiguous, np.diff(offsets))]
+        offsets = offsets_of(np.where(ambiguous, 0, expected))
 
-    halves = _follow(following, corners)
-    if len(halves) != np.count_nonzero(in_walk) + 2 * len(tree):
-        raise Unsolvable("the rings could not be connected (their touching is ambiguous)")
     start = np.append(np.arange(corners), corner_of[edges[tree]].ravel())
-    place = np.zeros(len(following), dtype=np.int64)
+    place = np.zeros(len(after), dtype=np.int64)
     place[halves] = np.arange(len(halves))
     ends = np.sort(place[leaves], axis=1)
     ends[tree] = 0
     edge = np.where(halves < corners, halves, -1 - (halves - corners) // 2)
-    return Walk(start[halves], edge, ends[:, 0], ends[:, 1])
+    return Walk(start[halves], edge, ends[:, 0], ends[:, 1], offsets), ambiguous
 
 
-def _spokes(polygon, edges, tree, is_tree, passes, in_walk):
-    """For each vertex passed several times: (x, y, what, half-edge or candidate) of its edges."""
-    several = np.flatnonzero(passes > 1)
-    spokes = {vertex: [] for vertex in several.tolist()}
-    if not spokes:
-        return spokes
-    corners, vertex = len(polygon.vertex), polygon.vertex
-
-    def add(at, towards, what, payload):
-        x, y = polygon.xy[towards]
-        spokes[int(at)].append((x, y, what, int(payload)))
-
-    at = np.flatnonzero((passes[vertex] > 1) & in_walk)
-    previous = np.empty(corners, dtype=np.int64)
-    previous[polygon.next_corner] = np.arange(corners)
-    for c in at:
-        add(vertex[c], vertex[previous[c]], "in", previous[c])
-        add(vertex[c], vertex[polygon.next_corner[c]], "out", c)
-    for t, (u, v) in enumerate(edges[tree]):
-        add(u, v, "tree", corners + 2 * t)
-        add(v, u, "tree", corners + 2 * t + 1)
-    for side in (0, 1):
-        for k in np.flatnonzero((passes[edges[:, side]] > 1) & ~is_tree):
-            add(edges[k, side], edges[k, 1 - side], "candidate", 2 * k + side)
-    return spokes
+def _by_length(xy, edges, length):
+    """Order of edges by length, ties by the coordinates of their ends."""
+    vertex, ends = np.unique(edges, return_inverse=True)
+    rank = np.empty(len(vertex), dtype=np.int64)
+    rank[np.lexsort((xy[vertex, 1], xy[vertex, 0]))] = np.arange(len(vertex))
+    first, second = np.sort(rank[ends.reshape(edges.shape)], axis=1).T
+    return np.lexsort((second, first, length))
 
 
-def _turn(polygon, vertex, spokes, following, leaves):
-    """Link the half-edges at a vertex, and give candidates the wedge they leave from.
+def _turn(polygons, edges, tree, in_walk, after, leaves):
+    """Link the half-edges at vertices passed several times; give candidates the wedge they leave from.
 
     Counter-clockwise, a wedge of the interior opens at the half-edge that leaves it and closes at
     the one that comes in: walking in, one turns clockwise to the next way out.
     """
-    spokes = sort_ccw(polygon.xy[vertex], spokes)
-    opening = [k for k, spoke in enumerate(spokes) if spoke[2] in ("out", "tree")]
-    out = None
-    for *_, what, payload in spokes[opening[0]:] + spokes[: opening[0] + 1]:
-        if what == "candidate":
-            leaves[payload // 2, payload % 2] = out
-        elif what == "in":
-            following[payload] = out
-        elif what == "tree" and out is not None:
-            following[_twin(payload, len(polygon.vertex))] = out
-        if what in ("out", "tree"):
-            out = payload
+    corners, vertex, n = len(polygons.vertex), polygons.vertex, len(polygons.xy)
+    passes = np.bincount(vertex[in_walk], minlength=n)
+    passes += np.bincount(edges[tree].ravel(), minlength=n)
+    several = passes > 1
+
+    # the spokes around these: boundary in and out, T, candidates
+    out = np.flatnonzero(several[vertex] & in_walk)
+    before = np.empty(corners, dtype=np.int64)
+    before[polygons.next_corner] = np.arange(corners)
+    ways = corners + np.arange(2 * len(tree))
+    sides = edges.copy()
+    sides[tree] = -1
+    candidate, side = np.nonzero(np.append(several, False)[sides])
+    at = np.concatenate((vertex[out], vertex[out], edges[tree].ravel(), edges[candidate, side]))
+    to = np.concatenate((
+        vertex[before[out]], vertex[polygons.next_corner[out]], edges[tree][:, ::-1].ravel(),
+        edges[candidate, 1 - side],
+    ))
+    half = np.concatenate((before[out], out, ways, np.zeros(len(candidate), dtype=np.int64)))
+    kind = np.repeat([_IN, _OUT, _TREE, _CANDIDATE], [len(out), len(out), len(ways), len(candidate)])
+    number = np.append(np.zeros(len(at) - len(candidate), dtype=np.int64), 2 * candidate + side)
+    order = ccw_order(at, polygons.xy[at], polygons.xy[to])
+    at, half, kind, number = (x[order] for x in (at, half, kind, number))
+
+    # the last way out before each spoke; before the first one, the last one around the vertex
+    opens = (kind == _OUT) | (kind == _TREE)
+    first = np.flatnonzero(np.diff(at, prepend=-1))
+    size = np.diff(np.append(first, len(at)))
+    latest = np.maximum.accumulate(np.where(opens, np.arange(len(at)), -1))
+    around = np.repeat(latest[first + size - 1], size)
+    latest = np.append(-1, latest)[:len(at)]
+    latest = half[np.where(latest >= np.repeat(first, size), latest, around)]
+
+    closing = kind == _IN
+    after[half[closing]] = latest[closing]
+    turning = kind == _TREE  # coming in along an edge of T is leaving it the other way
+    after[corners + ((half[turning] - corners) ^ 1)] = latest[turning]
+    placed = kind == _CANDIDATE
+    leaves[number[placed] // 2, number[placed] % 2] = latest[placed]
 
 
-def _twin(half, corners):
-    """The same edge of T, the other way."""
-    return corners + ((half - corners) ^ 1)
+_IN, _OUT, _TREE, _CANDIDATE = range(4)
 
 
-def _follow(following, corners):
-    """The half-edges of the walk, from the shell's first corner on, in runs along the rings."""
-    jumps = np.flatnonzero(
-        (following[:corners] != np.arange(1, corners + 1)) | (np.arange(1, corners + 1) == corners)
-    )
-    runs, half = [], 0
-    for _ in range(len(following)):
-        if half < corners:
-            last = jumps[np.searchsorted(jumps, half)]
-            runs.append(np.arange(half, last + 1))
-            half = following[last]
-        else:
-            runs.append([half])
-            half = following[half]
-        if half == 0:
-            break
-    return np.concatenate(runs)
+def _follow(polygons, after):
+    """The half-edges of the walks, each from its shell's first corner on, and where each walk starts.
 
+    A walk that does not close is cut short.
+    """
+    corners, count = len(polygons.vertex), len(polygons.polygon_offsets) - 1
+    jump = np.append(after[:corners] != np.arange(1, corners + 1), np.ones(len(after) - corners, bool))
+    jump[polygons.offsets[1:] - 1] = True
+    jump = np.flatnonzero(jump)
+    # runs of half-edges along the rings: from where a jump leads to the next jump
+    shell = polygons.corner_offsets[:-1]
+    start = np.unique(np.append(after[jump], shell))
+    end = jump[np.searchsorted(jump, start)]
+    then = np.searchsorted(start, after[end])
+    first = np.searchsorted(start, shell)
 
-def _lexicographic_rank(xy):
-    rank = np.empty(len(xy), dtype=np.int64)
-    rank[np.lexsort((xy[:, 1], xy[:, 0]))] = np.arange(len(xy))
-    return rank
-
-
-def _find(root, k):
-    while root[k] != k:
-        root[k] = root[root[k]]
-        k = root[k]
-    return k
-
-
-def _union(root, a, b):
-    """Join two sets; whether they were apart. The smaller number stays the root."""
-    a, b = _find(root, a), _find(root, b)
-    if a == b:
-        return False
-    root[max(a, b)] = min(a, b)
-    return True
+    runs, owner = [first], [np.arange(count)]
+    several = np.flatnonzero(then[first] != first)
+    following_run, most = then.tolist(), len(start)
+    for p, begin in zip(several.tolist(), first[several].tolist()):
+        path, run = [], following_run[begin]
+        while run != begin and len(path) < most:
+            path.append(run)
+            run = following_run[run]
+        runs.append(path)
+        owner.append(np.full(len(path), p))
+    runs, owner = np.concatenate(runs).astype(np.int64), np.concatenate(owner)
+    order = np.argsort(owner, kind="stable")
+    runs, owner = runs[order], owner[order]
+    size = (end - start + 1)[runs]
+    places = np.bincount(owner, weights=size, minlength=count).astype(np.int64)
+    return ranges(start[runs], size), offsets_of(places)

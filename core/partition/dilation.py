@@ -3,17 +3,23 @@
 On a polygon without holes the tree knows all distances. With holes, a path may pass a hole on
 either side, and the carved polygon P_T only gives upper bounds (section 4.3 of the paper). The
 boundary graph here gives the true ones: it keeps the ends of the cuts as nodes and contracts the
-boundary between them, so its size is that of S.
+boundary between them, so its size is that of S. That of a chunk of polygons is the union of theirs.
 """
 
 from __future__ import annotations
 
 from heapq import heappop, heappush
-from typing import NamedTuple
+from math import dist, inf
+from typing import TYPE_CHECKING, Callable, NamedTuple
 
 import numpy as np
 
-from .min_size import SLACK
+from ..rings import offsets_of, running
+from .min_size import LEAF, SLACK
+from .polygon import Polygons
+
+if TYPE_CHECKING:
+    from .solve import Carved
 
 __all__ = ["BoundaryGraph", "at_least_one", "boundary_graph", "detours", "drop_redundant", "largest_dilation",
            "true_dilations"]
@@ -24,10 +30,13 @@ class BoundaryGraph(NamedTuple):
 
     Attributes
     ----------
-    chains : list of dict
-        For each node, the nodes next to it along the boundary, and how far they are.
-    cuts : list of dict
-        For each node, the nodes that an edge of S joins to it, and its length.
+    links : list of dict
+        For each node its links, (other node, length) by number: that of the edge of S, or a negative one
+        for a stretch of the boundary.
+    place : list of tuple
+        Where each node is. No way between two places is shorter than the straight line.
+    position : (n, d) float
+        Where each vertex is.
     node : (n,) int
         Node of each vertex, -1 where it is none.
     before, after : (n,) int
@@ -38,8 +47,9 @@ class BoundaryGraph(NamedTuple):
         The ring of each vertex, its place along it, and the ring's perimeter.
     """
 
-    chains: list
-    cuts: list
+    links: list
+    place: list
+    position: np.ndarray
     node: np.ndarray
     before: np.ndarray
     after: np.ndarray
@@ -50,12 +60,18 @@ class BoundaryGraph(NamedTuple):
     perimeter: np.ndarray
 
 
-def boundary_graph(polygon, edge_length, edges, length, selected):
+def boundary_graph(
+    polygons: Polygons, position: np.ndarray, edge_length: np.ndarray, edges: np.ndarray,
+    length: np.ndarray, selected: np.ndarray,
+) -> BoundaryGraph:
     """Contract P and S to the ends of the selected edges and the points where rings touch.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
+    position : (n, d) float
+        Where the vertices are, in the unit of the lengths: straight lines between them are at most as long
+        as the edges.
     edge_length : (c,) float
         Length of the polygon edge that leaves each corner.
     edges : (k, 2) int
@@ -71,20 +87,20 @@ def boundary_graph(polygon, edge_length, edges, length, selected):
     -----
     O(n + |S|).
     """
-    n, vertex, offsets = len(polygon.xy), polygon.vertex, polygon.offsets
+    n, vertex, offsets = len(polygons.xy), polygons.vertex, polygons.offsets
     is_node = np.bincount(vertex, minlength=n) > 1
     is_node[edges[selected]] = True
+    at_node = np.flatnonzero(is_node)
     node = np.full(n, -1)
-    node[is_node] = np.arange(np.count_nonzero(is_node))
-    ring = polygon.ring_of_corner
-    passed = np.append(0.0, np.cumsum(edge_length))
-    along = passed[:-1] - passed[offsets[:-1]][ring]
-    perimeter = (passed[offsets[1:]] - passed[offsets[:-1]])[ring]
+    node[at_node] = np.arange(len(at_node))
+    ring = polygons.ring_of_corner
+    along, perimeter = running(edge_length, offsets)
+    perimeter = perimeter[ring]
 
     # the stops of a ring are its corners at nodes; find the last one up to here, and the next
     stop = np.flatnonzero(is_node[vertex])
     first = np.searchsorted(stop, offsets)
-    here = np.searchsorted(stop, np.arange(len(vertex)), side="right")
+    here = np.cumsum(is_node[vertex])
     wraps_back, wraps_on = here == first[ring], here == first[ring + 1]
     bare = wraps_back & wraps_on
     stop = np.append(stop, 0)
@@ -93,16 +109,17 @@ def boundary_graph(polygon, edge_length, edges, length, selected):
     back = along - along[previous] + np.where(wraps_back, perimeter, 0.0)
     on = along[following] - along + np.where(wraps_on, perimeter, 0.0)
 
-    chains = [{} for _ in range(np.count_nonzero(is_node))]
-    cuts = [{} for _ in chains]
+    links = [{} for _ in range(len(at_node))]
     stop = stop[:-1]
-    for a, b, d in zip(
-        node[vertex[stop]].tolist(), node[vertex[following[stop]]].tolist(), on[stop].tolist()
-    ):
+    stretches = node[vertex[stop]], node[vertex[following[stop]]], on[stop]
+    for k, (a, b, d) in enumerate(zip(*(x.tolist() for x in stretches)), start=1):
         if a != b:
-            chains[a][b] = chains[b][a] = min(d, chains[a].get(b, np.inf))
-    for (a, b), d in zip(node[edges[selected]].tolist(), length[selected].tolist()):
-        cuts[a][b] = cuts[b][a] = d
+            links[a][-k] = b, d
+            links[b][-k] = a, d
+    ends = node[edges[selected]].T.tolist()
+    for k, a, b, d in zip(selected.tolist(), *ends, length[selected].tolist()):
+        links[a][k] = b, d
+        links[b][k] = a, d
 
     def by_vertex(values):
         result = np.empty(n, dtype=values.dtype)
@@ -110,8 +127,9 @@ def boundary_graph(polygon, edge_length, edges, length, selected):
         return result
 
     return BoundaryGraph(
-        chains=chains,
-        cuts=cuts,
+        links=links,
+        place=list(map(tuple, position[at_node].tolist())),
+        position=position,
         node=node,
         before=by_vertex(np.where(bare, -1, node[vertex[previous]])),
         after=by_vertex(np.where(bare, -1, node[vertex[following]])),
@@ -123,8 +141,15 @@ def boundary_graph(polygon, edge_length, edges, length, selected):
     )
 
 
-def detours(polygon, edge_length, edges, length):
+def detours(
+    polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, length: np.ndarray
+) -> np.ndarray:
     """Dilation of each edge in P before any cut; infinite where P does not connect its ends.
+
+    Parameters
+    ----------
+    polygons, edge_length, edges, length
+        See `boundary_graph`.
 
     Returns
     -------
@@ -132,37 +157,83 @@ def detours(polygon, edge_length, edges, length):
 
     Notes
     -----
-    O(n + k), but for one shortest-path search for each edge between rings that touch.
+    O(n + k), and a step for each ring that a path passes. Rings that touch form a tree, since the interior
+    of a polygon is connected: so there is one way from ring to ring.
     """
-    ring, passed = polygon.ring_of_corner, np.append(0.0, np.cumsum(edge_length))
-    along = np.empty(len(polygon.xy))
-    along[polygon.vertex] = passed[:-1]
-    ring_of = np.empty(len(polygon.xy), dtype=np.int64)
-    ring_of[polygon.vertex] = ring
-    perimeter = np.diff(passed[polygon.offsets])
+    vertex, ring = polygons.vertex, polygons.ring_of_corner
+    passed, perimeter = running(edge_length, polygons.offsets)
+    along = np.empty(len(polygons.xy))
+    along[vertex] = passed
+    ring_of = np.empty(len(polygons.xy), dtype=np.int64)
+    ring_of[vertex] = ring
     u, v = edges.T
-    arc = np.abs(along[u] - along[v])
-    same = ring_of[u] == ring_of[v]
-    path = np.where(same, np.minimum(arc, perimeter[ring_of[u]] - arc), np.inf)
-    if len(polygon.vertex) > len(polygon.xy):
-        # where rings touch, a vertex may lie on several, and a path may use them all
-        nothing = np.empty(0, dtype=np.int64)
-        graph = boundary_graph(polygon, edge_length, edges, length, nothing)
-        touches = np.zeros(len(perimeter), dtype=bool)
-        touches[ring[graph.node[polygon.vertex] >= 0]] = True
-        search = touches[ring_of[u]] & touches[ring_of[v]]
-        search &= ~same | (graph.node[u] >= 0) | (graph.node[v] >= 0)
-        for k in np.flatnonzero(search).tolist():
-            path[k] = _distance(graph, u[k], v[k], np.inf)
+    a, b = ring_of[u], ring_of[v]
+    if len(vertex) == len(polygons.xy):
+        path = np.where(a == b, _arc(along[u], along[v], perimeter[a]), np.inf)
+        return at_least_one(path / length)
+
+    root, parent, depth, gate, above = _ring_trees(polygons, passed)
+    path = np.where(root[a] == root[b], 0.0, np.inf)
+    at_u, at_v = along[u], along[v]
+    apart = np.flatnonzero((a != b) & (root[a] == root[b]))
+    while len(apart):
+        for ends, places, others in ((a, at_u, b), (b, at_v, a)):
+            deeper = apart[depth[ends[apart]] >= depth[others[apart]]]
+            deeper = deeper[ends[deeper] != others[deeper]]
+            own = ends[deeper]
+            path[deeper] += _arc(places[deeper], gate[own], perimeter[own])
+            places[deeper], ends[deeper] = above[own], parent[own]
+        apart = apart[a[apart] != b[apart]]
+    path += _arc(at_u, at_v, perimeter[a])
     return at_least_one(path / length)
 
 
-def at_least_one(dilation):
+def _arc(one, other, perimeter):
+    """Length of the shorter way between two places on a ring."""
+    arc = np.abs(one - other)
+    return np.minimum(arc, perimeter - arc)
+
+
+def _ring_trees(polygons, passed):
+    """Trees of the rings that touch: for each ring its tree, parent, depth, and the gate to the parent.
+
+    The gate is given as a place along the ring itself, and as one along the parent.
+    """
+    count = len(polygons.offsets) - 1
+    root, parent, depth = list(range(count)), [-1] * count, [0] * count
+    gate, above = np.zeros(count), np.zeros(count)
+    shared = np.flatnonzero(np.bincount(polygons.vertex)[polygons.vertex] > 1)
+    ring = polygons.ring_of_corner[shared].tolist()
+    at, points = {}, {}  # rings by point, points by ring, each with the place along the ring
+    for v, r, d in zip(polygons.vertex[shared].tolist(), ring, passed[shared].tolist()):
+        at.setdefault(v, []).append((r, d))
+        points.setdefault(r, []).append((v, d))
+    reached = set()
+    for first in points:
+        if first in reached:
+            continue
+        reached.add(first)
+        front = [first]
+        while front:
+            r = front.pop()
+            for v, d in points[r]:
+                for other, there in at[v]:
+                    if other not in reached:
+                        reached.add(other)
+                        root[other], parent[other], depth[other] = first, r, depth[r] + 1
+                        gate[other], above[other] = there, d
+                        front.append(other)
+    return np.array(root), np.array(parent), np.array(depth), gate, above
+
+
+def at_least_one(dilation: np.ndarray) -> np.ndarray:
     """Dilations as they are in a metric; arcs from chords make long edges a little too long."""
     return np.maximum(dilation, 1.0)
 
 
-def true_dilations(graph, edges, length, bound, check):
+def true_dilations(
+    graph: BoundaryGraph, edges: np.ndarray, length: np.ndarray, bound: np.ndarray, check: Callable
+) -> np.ndarray:
     """Dilation of each edge in P and S.
 
     Parameters
@@ -182,31 +253,53 @@ def true_dilations(graph, edges, length, bound, check):
     for count, k in enumerate(np.flatnonzero(bound > 1.0).tolist()):
         if count % 256 == 0:
             check()
-        path = _distance(graph, *edges[k], bound[k] * length[k])
+        path, _ = _path(graph, *edges[k].tolist(), limit=float(bound[k] * length[k]))
         dilation[k] = min(bound[k], path / length[k])
     return at_least_one(dilation)
 
 
-def largest_dilation(graph, edges, length, bound, check):
-    """Largest dilation in P and S, searching only where the upper bound may matter.
+def largest_dilation(
+    graph: BoundaryGraph, edges: np.ndarray, length: np.ndarray, bound: np.ndarray,
+    owner: np.ndarray, count: int, check: Callable,
+) -> np.ndarray:
+    """Largest dilation of each polygon in P and S, searching only where the upper bound may matter.
 
     Parameters
     ----------
-    graph, edges, length, bound, check
+    graph, edges, length, bound
         See `true_dilations`.
+    owner : (k,) int
+        The polygon of each edge.
+    count : int
+        The number of polygons.
+    check : callable
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    (count,) float
+        1 where there are no edges.
     """
-    largest = 1.0
-    for count, k in enumerate(np.argsort(-bound, kind="stable").tolist()):
-        if bound[k] <= largest:
-            break
-        if count % 256 == 0:
+    largest, searches = [1.0] * count, 0
+    order = np.lexsort((-bound, owner))
+    for k, p, most in zip(*(x.tolist() for x in (order, owner[order], bound[order]))):
+        if most <= largest[p]:
+            continue
+        if searches % 256 == 0:
             check()
-        path = _distance(graph, *edges[k], bound[k] * length[k])
-        largest = max(largest, min(bound[k], path / length[k]))
-    return largest
+        searches += 1
+        own = float(length[k])
+        # any way that is no longer than what is known will do
+        path, _ = _path(graph, *edges[k].tolist(), limit=most * own, enough=largest[p] * own)
+        largest[p] = max(largest[p], min(most, path / own))
+    return np.array(largest)
 
 
-def drop_redundant(graph, edges, length, selected, weight, bounded, tau, check):
+def drop_redundant(
+    graph: BoundaryGraph, edges: np.ndarray, length: np.ndarray, selected: np.ndarray,
+    weight: np.ndarray, bounded: np.ndarray, tau: np.ndarray, carved: Carved, role: np.ndarray,
+    bound: np.ndarray, check: Callable,
+) -> np.ndarray:
     """Drop selected edges without which all candidates are still within tau.
 
     Parameters
@@ -217,10 +310,14 @@ def drop_redundant(graph, edges, length, selected, weight, bounded, tau, check):
     selected : (s,) int
         The edges in S, T included.
     weight : (k,) float
-        The heaviest edge is tried first.
+        The heaviest edge of each polygon is tried first.
     bounded : (k,) bool
         The candidates proper; other edges only connect holes and need no witness.
-    tau : float
+    tau : (k,) float
+    carved : solve.Carved
+        With a T that is part of S.
+    role, bound : (k,) int, (k,) float
+        On which side of each candidate its witness in the carved polygon lies, LEAF or ROOT, and its dilation.
     check : callable
         Called now and then; may raise `Cancelled`.
 
@@ -231,118 +328,214 @@ def drop_redundant(graph, edges, length, selected, weight, bounded, tau, check):
 
     Notes
     -----
-    One bounded shortest-path search for each selected edge; a pass over all candidates for the few
-    that survive it.
+    One shortest-path search for each selected edge, for a detour around it. The few that have one are
+    dropped if all candidates whose witness uses the edge have a witness without it: the old one with
+    the detour in it where that is short enough, else one that a search finds.
     """
     allowed = tau * length * (1.0 + SLACK)
     waiting = bounded.copy()
     waiting[selected] = False
+    known = _Witnesses(carved, edges, selected, waiting, role, bound * length)
     keep = np.ones(len(selected), dtype=bool)
     for count, s in enumerate(np.argsort(-weight[selected], kind="stable").tolist()):
         if count % 64 == 0:
             check()
-        c = selected[s]
-        a, b = graph.node[edges[c]].tolist()
-        del graph.cuts[a][b], graph.cuts[b][a]
-        limit = allowed[c] if bounded[c] else np.inf
-        # without the cut its ends may be apart, though `limit` is infinite: then it must stay
-        if _distance(graph, *edges[c], limit) < np.inf and _still_satisfied(
-            graph, edges, length[c], allowed, waiting, a, b, check
-        ):
-            keep[s] = False
-            waiting[c] = bounded[c]
-        else:
-            graph.cuts[a][b] = graph.cuts[b][a] = float(length[c])
+        c = int(selected[s])
+        u, v = edges[c].tolist()
+        a, b = int(graph.node[u]), int(graph.node[v])
+        link = graph.links[a].pop(c), graph.links[b].pop(c)
+        detour, by = _path(graph, u, v, limit=float(allowed[c]) if bounded[c] else inf)
+        stays = detour == inf
+        if not stays:
+            users = known.users(c)
+            longer = known.path[users] + max(detour - float(length[c]), 0.0)
+            served = longer <= allowed[users]
+            found = _other_ways(graph, edges, allowed, users[~served], check)
+            stays = found is None
+        if stays:
+            graph.links[a][c], graph.links[b][c] = link
+            continue
+        keep[s] = False
+        known.lead_around(c, users[served], longer[served], by)
+        if bounded[c]:
+            found.append((c, detour, by))
+        for e, path, cuts in found:
+            known.replace(e, path, cuts)
     return selected[keep]
 
 
-def _still_satisfied(graph, edges, cut_length, allowed, waiting, a, b, check):
-    """Whether the waiting edges are within their limits though the cut a-b is gone."""
-    limit = allowed[waiting].max(initial=0.0)
-    from_a, from_b = (_distances_from(graph, end, limit) for end in (a, b))
-    u, v = edges.T
-    via = cut_length + np.minimum(
-        _to_vertices(graph, from_a, u) + _to_vertices(graph, from_b, v),
-        _to_vertices(graph, from_b, u) + _to_vertices(graph, from_a, v),
-    )
-    concerned = np.flatnonzero(waiting & (via <= allowed))
-    for count, e in enumerate(concerned.tolist()):
+def _other_ways(graph, edges, allowed, candidates, check):
+    """For each candidate its number, the length of a path and the cuts on it; None if one has no path."""
+    found = []
+    for count, e in enumerate(candidates[np.argsort(allowed[candidates], kind="stable")].tolist()):
         if count % 256 == 255:
             check()
-        if _distance(graph, u[e], v[e], allowed[e]) > allowed[e]:
-            return False
-    return True
+        path, cuts = _path(graph, *edges[e].tolist(), limit=float(allowed[e]))
+        if path == inf:
+            return None
+        found.append((e, path, cuts))
+    return found
+
+
+class _Witnesses:
+    """For each candidate the length of a path within its limit, and which cuts that path may use.
+
+    At first it runs around the candidate's face in the carved polygon and S: the users of a cut are
+    found in the faces on its two sides, by the roles and places of the candidates there. Paths that come
+    later have sets of their cuts.
+    """
+
+    def __init__(self, carved, edges, selected, waiting, role, path):
+        tree, walk = carved.net.tree, carved.walk
+        roots = tree.roots
+        self.path = path
+        self.node = np.full(len(edges), -1)
+        self.node[carved.node_edge] = np.arange(roots, len(tree.parent))
+        # a node that is a root or a cut opens a face; the others lie in that of their parent
+        opens = np.zeros(len(edges), dtype=bool)
+        opens[selected] = True
+        opens = np.append(np.ones(roots, dtype=bool), opens[carved.node_edge])
+        face = np.where(opens, np.arange(len(opens)), tree.parent)
+        while True:
+            above = face[face]
+            if np.array_equal(above, face):
+                break
+            face = above
+        self.above = face[np.where(opens, tree.parent, np.arange(len(opens)))]
+        members = np.flatnonzero(waiting & (self.node >= 0))
+        of = face[self.node[members]]
+        order = np.argsort(of, kind="stable")
+        self.members = members[order]
+        self.start = offsets_of(np.bincount(of, minlength=len(opens))).tolist()
+        self.i, self.j = walk.i, walk.j
+        self.leaf = role == LEAF
+        along_tree = np.flatnonzero(walk.edge < 0)
+        along_tree = along_tree[np.argsort(-walk.edge[along_tree], kind="stable")].reshape(-1, 2)
+        self.passes = dict(zip(carved.tree.tolist(), zip(
+            along_tree.tolist(), face[tree.edge_face[along_tree]].tolist())))
+        self.cuts = {}  # of the paths that are not the first ones
+        self.added = {}  # for each cut, what came to use it
+
+    def users(self, c):
+        """The candidates whose path may use a cut, ascending."""
+        if c in self.passes:
+            (p, q), (one, other) = self.passes[c]
+            if one == other:
+                # the way there and back along an edge of T needs it no more
+                e, within_p = self._within(one, p, p + 1)
+                _, within_q = self._within(one, q, q + 1)
+                found = [e[within_p != within_q]]
+            else:
+                found = [e[within == self.leaf[e]] for e, within in (
+                    self._within(one, p, p + 1), self._within(other, q, q + 1))]
+        else:
+            node = int(self.node[c])
+            e, within = self._within(int(self.above[node]), int(self.i[c]), int(self.j[c]))
+            below = self.members[self.start[node]:self.start[node + 1]]
+            found = [e[within == self.leaf[e]], below[~self.leaf[below]]]
+        cuts = self.cuts
+        first = np.concatenate(found)
+        if cuts:
+            first = first[[e not in cuts for e in first.tolist()]]
+        added = [e for e in self.added.pop(c, ()) if e not in cuts or c in cuts[e]]
+        return np.unique(np.append(first, np.array(added, dtype=np.int64)))
+
+    def _within(self, face, i, j):
+        """The candidates in a face, and which of them are around the places from i to j."""
+        e = self.members[self.start[face]:self.start[face + 1]]
+        return e, (self.i[e] <= i) & (self.j[e] >= j)
+
+    def lead_around(self, c, users, path, by):
+        """Lead the paths of candidates around a cut along others."""
+        self.path[users] = path
+        users = users.tolist()
+        for e in users:
+            if e in self.cuts:
+                self.cuts[e].discard(c)
+                self.cuts[e].update(by)
+        for k in by:
+            self.added.setdefault(k, []).extend(users)
+
+    def replace(self, e, path, cuts):
+        """Give a candidate a path of its own."""
+        self.path[e] = path
+        self.cuts[e] = set(cuts)
+        for k in cuts:
+            self.added.setdefault(k, []).append(e)
 
 
 def _entries(graph, v):
-    """Nodes through which a path leaves vertex v, with the distances to them."""
-    if graph.node[v] >= 0:
-        return [(0.0, int(graph.node[v]))]
-    if graph.before[v] < 0:
-        return []
-    return [
-        (float(graph.to_before[v]), int(graph.before[v])),
-        (float(graph.to_after[v]), int(graph.after[v])),
-    ]
+    """Nodes through which a path leaves vertex v, and the distances to them."""
+    node = int(graph.node[v])
+    if node >= 0:
+        return {node: 0.0}
+    before, after = int(graph.before[v]), int(graph.after[v])
+    if before < 0:
+        return {}
+    to_before, to_after = float(graph.to_before[v]), float(graph.to_after[v])
+    if before == after:
+        return {before: min(to_before, to_after)}
+    return {before: to_before, after: to_after}
 
 
 def _direct(graph, u, v):
     """Length of the boundary from u to v where it passes no node, else infinity."""
     if graph.node[u] >= 0 or graph.node[v] >= 0 or graph.ring[u] != graph.ring[v]:
-        return np.inf
+        return inf
     if graph.before[u] < 0:
-        arc = abs(graph.along[u] - graph.along[v])
-        return min(arc, graph.perimeter[u] - arc)
+        arc = float(abs(graph.along[u] - graph.along[v]))
+        return min(arc, float(graph.perimeter[u]) - arc)
     if graph.before[u] == graph.before[v] and graph.after[u] == graph.after[v]:
-        return abs(graph.to_before[u] - graph.to_before[v])
-    return np.inf
+        return float(abs(graph.to_before[u] - graph.to_before[v]))
+    return inf
 
 
-def _distance(graph, u, v, limit):
-    """Shortest path between two vertices (Dijkstra), infinity where it is longer than the limit."""
-    best = _direct(graph, u, v)
-    goals = {a: d for d, a in sorted(_entries(graph, v), reverse=True)}  # the nearest way in
-    heap, done = sorted(_entries(graph, u)), set()
-    while heap:
-        d, a = heappop(heap)
-        if d >= best or d > limit:
+def _path(graph, u, v, limit=inf, enough=0.0):
+    """Shortest path between two vertices, searched from both ends: its length, and the cuts on it.
+
+    Infinite where it is longer than the limit. The first path that is found no longer than ``enough``
+    is good enough.
+    """
+    best, meeting = _direct(graph, u, v), -1
+    links, place = graph.links, graph.place
+    sides = []
+    for end, goal in ((u, v), (v, u)):
+        reached = _entries(graph, end)
+        heap = sorted((d, a) for a, d in reached.items())
+        sides.append((heap, reached, {}, graph.position[goal].tolist()))
+    heap, reached, came, goal = sides[0]
+    heap_2, reached_2, came_2, goal_2 = sides[1]
+    for a, d in reached.items():
+        if a in reached_2 and d + reached_2[a] < best:
+            best, meeting = d + reached_2[a], a
+    while heap and heap_2 and best > enough:
+        least = heap[0][0] + heap_2[0][0]
+        if least >= best or least > limit:
             break
-        if a in done:
-            continue
-        done.add(a)
-        if a in goals:
-            best = min(best, d + goals[a])
-        for links in (graph.chains[a], graph.cuts[a]):
-            for b, step in links.items():
-                if b not in done:
-                    heappush(heap, (d + step, b))
-    return best if best <= limit else np.inf
-
-
-def _distances_from(graph, source, limit):
-    """Distances from a node to all nodes within the limit (Dijkstra); infinity for the others."""
-    distance = np.full(len(graph.chains), np.inf)
-    heap = [(0.0, source)]
-    while heap:
+        # the smaller front goes on: where one end is cut off, this does not search all around the other
+        if len(heap_2) < len(heap):
+            heap, reached, came, goal, heap_2, reached_2, came_2, goal_2 = (
+                heap_2, reached_2, came_2, goal_2, heap, reached, came, goal)
         d, a = heappop(heap)
-        if d >= distance[a]:
+        if d > reached[a]:
             continue
-        distance[a] = d
-        for links in (graph.chains[a], graph.cuts[a]):
-            for b, step in links.items():
-                if d + step <= limit and d + step < distance[b]:
-                    heappush(heap, (d + step, b))
-    return distance
-
-
-def _to_vertices(graph, distance, vertices):
-    """Extend distances of nodes to vertices."""
-    node, before, after = (x[vertices] for x in (graph.node, graph.before, graph.after))
-    distance = np.append(distance, np.inf)  # node -1 is nowhere
-    return np.where(
-        node >= 0,
-        distance[node],
-        np.minimum(
-            distance[before] + graph.to_before[vertices], distance[after] + graph.to_after[vertices]
-        ),
-    )
+        for cut, (b, step) in links[a].items():
+            there = d + step
+            if there < reached.get(b, inf):
+                least = there + dist(place[b], goal)
+                if least < best and least <= limit:
+                    reached[b] = there
+                    came[b] = a, cut
+                    heappush(heap, (there, b))
+                    if b in reached_2 and there + reached_2[b] < best:
+                        best, meeting = there + reached_2[b], b
+    if best > limit:
+        return inf, ()
+    cuts = []
+    for back in (came, came_2):
+        a = meeting
+        while a in back:
+            a, cut = back[a]
+            if cut >= 0:
+                cuts.append(cut)
+    return best, cuts

@@ -1,9 +1,10 @@
-"""Third stage: the rooted tree T on the edges of P and C (section 4.1 of the paper).
+"""Third stage: the rooted trees T on the edges of P and C (section 4.1 of the paper), a forest.
 
-Number the places of the closed walk around a polygon without holes 0 to m - 1, and take the edge
-from m - 1 back to 0 as root. Then a diagonal is an interval of places, non-crossing diagonals are
-nested intervals, and T is their nesting: brackets, not triangles. So one construction serves whole
-triangulations, any non-crossing candidate set (section 4.2), and the parts that cuts leave.
+Number the places of the closed walks around polygons without holes, one walk after the other, and take
+the edge from the last place of a walk back to its first as root. Then a diagonal is an interval of
+places, non-crossing diagonals are nested intervals, and T is their nesting: brackets, not triangles.
+So one construction serves whole triangulations, any non-crossing candidate set (section 4.2), the parts
+that cuts leave, and any number of polygons.
 """
 
 from __future__ import annotations
@@ -12,25 +13,28 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..rings import groups
+
 __all__ = ["DualTree", "build_tree"]
 
 
 class DualTree(NamedTuple):
-    """The tree T, polygon edges folded into the faces they bound.
+    """The trees T of p polygons, polygon edges folded into the faces they bound.
 
-    Node 0 is the root edge; the others are the diagonals in level order, so that parents come
-    before their children and siblings stand together.
+    Nodes 0 to p - 1 are the root edges; the others are the diagonals in level order, so that parents
+    come before their children and siblings stand together.
 
     Attributes
     ----------
-    parent : (k + 1,) int
-        Parent node; -1 for the root.
+    parent : (p + k,) int
+        Parent node; -1 for the roots.
     level_start : (depth + 2,) int
-        Level d has the nodes ``level_start[d]`` to ``level_start[d + 1] - 1``.
+        Level d has the nodes ``level_start[d]`` to ``level_start[d + 1] - 1``; level 0 the roots.
     diagonal : (k,) int
-        The diagonal of nodes 1 to k, as a place in the arrays given.
-    edge_face : (m - 1,) int
-        For the walk's edge from place i to i + 1: the node just below which it lies.
+        The diagonal of nodes p to p + k - 1, as a place in the arrays given.
+    edge_face : (m,) int
+        For the walk's edge that leaves each place: the node just below which it lies; the root itself
+        for the root edge.
     """
 
     parent: np.ndarray
@@ -38,16 +42,21 @@ class DualTree(NamedTuple):
     diagonal: np.ndarray
     edge_face: np.ndarray
 
+    @property
+    def roots(self) -> int:
+        """The number of root edges."""
+        return int(self.level_start[1])
 
-def build_tree(m, i, j):
+
+def build_tree(offsets: np.ndarray, i: np.ndarray, j: np.ndarray) -> DualTree:
     """Nest non-crossing diagonals.
 
     Parameters
     ----------
-    m : int
-        Number of places on the walk.
+    offsets : (p + 1,) int
+        Where the places of each walk start.
     i, j : (k,) int
-        Ends of the diagonals, i < j; no two alike, none crossing.
+        Ends of the diagonals on one walk, i < j; no two alike, none crossing.
 
     Returns
     -------
@@ -57,49 +66,57 @@ def build_tree(m, i, j):
     -----
     O(m) but for two sorts of k integers (the first is linear where the diagonals already come
     with ascending i, then descending j).
+
+    Examples
+    --------
+    >>> build_tree(np.array([0, 4, 7]), np.array([1]), np.array([3])).edge_face
+    array([0, 2, 2, 0, 1, 1, 1])
     """
-    k = len(i)
+    k, m, roots = len(i), int(offsets[-1]), len(offsets) - 1
     preorder = np.argsort(i * m + (m - 1 - j), kind="stable")
     i, j = i[preorder], j[preorder]
     opened = np.cumsum(np.bincount(i, minlength=m))
     closed = np.cumsum(np.bincount(j, minlength=m))
-    rank = np.arange(k)
-    # of the `rank` brackets opened before, those not closed yet are around this one
-    depth = rank - closed[i]
+    # of the brackets opened before, those not closed yet are around this one
+    depth = np.arange(k) - closed[i]
 
     depth_count = np.bincount(depth)
     small = depth.astype(np.uint16) if len(depth_count) < 2**16 else depth  # radix sort: linear
     level_order = np.argsort(small, kind="stable")
-    node = np.empty(k + 1, dtype=np.int64)  # node of a preorder rank; rank -1 is the root
-    node[level_order] = np.arange(1, k + 1)
-    node[-1] = 0
+    node = np.empty(k, dtype=np.int64)  # node of a preorder rank
+    node[level_order] = np.arange(roots, roots + k)
 
-    # parent: the last bracket opened before, one level up
-    parent_rank = np.full(k, -1)
-    deeper = depth[level_order] > 0
+    # parent: the last bracket opened before, one level up, or the root edge of the walk
+    parent_of = groups(offsets)[i] if roots > 1 else np.zeros(k, dtype=np.int64)  # by preorder rank
+    inner = level_order[depth_count[0]:] if k else level_order
     key = depth[level_order] * k + level_order
-    parent_rank[level_order[deeper]] = level_order[
-        np.searchsorted(key, key[deeper] - k, side="right") - 1
+    parent_of[inner] = node[
+        level_order[np.searchsorted(key, key[len(key) - len(inner):] - k, side="right") - 1]
     ]
-    parent = np.full(k + 1, -1)
-    parent[node[:-1]] = node[parent_rank]
+    parent = np.full(roots + k, -1)
+    parent[node] = parent_of
 
     return DualTree(
         parent=parent,
-        level_start=np.append(0, 1 + np.append(0, np.cumsum(depth_count))),
+        level_start=np.append(0, roots + np.append(0, np.cumsum(depth_count))),
         diagonal=preorder[level_order],
-        edge_face=node[_innermost(m, i, j, opened, closed, parent_rank)],
+        edge_face=_innermost(offsets, i, j, opened, node, parent_of),
     )
 
 
-def _innermost(m, i, j, opened, closed, parent_rank):
-    """Preorder rank of the innermost bracket around each step from a place to the next."""
+def _innermost(offsets, i, j, opened, node, parent_of):
+    """Node of the innermost bracket around each step from a place to the next."""
+    m, roots = int(offsets[-1]), np.arange(len(offsets) - 1)
     changed = np.zeros(m, dtype=np.int64)
-    innermost = np.full(m, -1)
+    innermost = np.zeros(m, dtype=np.int64)
+    changed[offsets[:-1]] = offsets[:-1]
+    innermost[offsets[:-1]] = roots
     # where brackets close, the parent of the outermost of them remains ...
-    innermost[j[::-1]] = parent_rank[::-1]
+    innermost[j[::-1]] = parent_of[::-1]
     changed[j] = j
     # ... unless others open there
-    innermost[i] = opened[i] - 1
+    innermost[i] = node[opened[i] - 1]
     changed[i] = i
-    return innermost[np.maximum.accumulate(changed)][: m - 1]
+    innermost = innermost[np.maximum.accumulate(changed)]
+    innermost[offsets[1:] - 1] = roots
+    return innermost

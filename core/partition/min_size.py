@@ -22,7 +22,7 @@ section 4.2 of the paper sorts.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -41,14 +41,14 @@ NARROW = 20
 
 
 class Network(NamedTuple):
-    """A dual tree with lengths.
+    """A forest of dual trees with lengths.
 
     Attributes
     ----------
     tree : DualTree
-    length : (k + 1,) float
-        l(e) of each node, the root edge first.
-    base : (k + 1,) float
+    length : (p + k,) float
+        l(e) of each node, the root edges first.
+    base : (p + k,) float
         Summed length of the polygon edges on the face just below each node.
     """
 
@@ -58,43 +58,48 @@ class Network(NamedTuple):
 
     @property
     def narrow(self):
-        """Whether the tree is so deep that scalar loops are faster."""
+        """Whether the trees are so deep that scalar loops are faster."""
         return len(self.length) < NARROW * len(self.tree.level_start)
 
 
-def network(tree, root_length, edge_length, diagonal_length):
-    """Join a dual tree with the lengths of its edges.
+def network(
+    tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_length: np.ndarray
+) -> Network:
+    """Join dual trees with the lengths of their edges.
 
     Parameters
     ----------
     tree : DualTree
-    root_length : float
-        Length of the walk's edge from its last place back to the first.
-    edge_length : (m - 1,) float
-        Lengths of the walk's other edges.
+    offsets : (p + 1,) int
+        Where the places of each walk start.
+    step : (m,) float
+        Length of the walk's edge that leaves each place.
     diagonal_length : (k,) float
         Lengths of the diagonals, in the order in which the tree was given them.
     """
-    length = np.append(root_length, diagonal_length[tree.diagonal])
-    base = np.bincount(tree.edge_face, weights=edge_length, minlength=len(length))
+    root = offsets[1:] - 1
+    length = np.append(step[root], diagonal_length[tree.diagonal])
+    below = step.copy()
+    below[root] = 0.0
+    base = np.bincount(tree.edge_face, weights=below, minlength=len(length))
     return Network(tree, length, base)
 
 
-def min_size(net, tau, check=None):
+def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = None) -> np.ndarray:
     """Solve MinSize: the fewest diagonals so that all are within tau (Theorem 1 of the paper).
 
     Parameters
     ----------
     net : Network
-    tau : float
-        Largest dilation allowed, at least 1.
+    tau : float, or (p + k,) float
+        Largest dilation allowed, at least 1, for all nodes or each.
     check : callable, optional
         Called now and then with the share done; may raise `Cancelled`.
 
     Returns
     -------
-    (k + 1,) int8
-        The role assignment alpha: SELF, LEAF or ROOT for each node. The root edge has SELF; the
+    (p + k,) int8
+        The role assignment alpha: SELF, LEAF or ROOT for each node. The root edges have SELF; the
         other SELF nodes are the solution S.
 
     Notes
@@ -104,12 +109,14 @@ def min_size(net, tau, check=None):
     solve = _states_by_node if net.narrow else _states_by_level
     leaf, value, serves = solve(net, tau, check or ignore)
     role = np.where(leaf, LEAF, SELF).astype(np.int8)
-    role[0] = SELF
+    role[:net.tree.roots] = SELF
     role[_served(net, leaf, value, serves)] = ROOT
     return role
 
 
-def witness_lengths(net, cut, check=None):
+def witness_lengths(
+    net: Network, cut: np.ndarray, check: Callable | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Lengths of the shortest paths on the two sides of each edge, in P and a set of cuts.
 
     Exact for a polygon without holes, where a shortest path between the ends of a diagonal stays
@@ -118,14 +125,14 @@ def witness_lengths(net, cut, check=None):
     Parameters
     ----------
     net : Network
-    cut : (k + 1,) bool
-        The selected nodes; true for the root edge.
+    cut : (p + k,) bool
+        The selected nodes; true for the root edges.
     check : callable, optional
         Called now and then; may raise `Cancelled`.
 
     Returns
     -------
-    below, above : (k + 1,) float
+    below, above : (p + k,) float
         Through the component T^LEAF and through T^ROOT of each node.
 
     Notes
@@ -176,6 +183,7 @@ def _states_by_level(net, tau, check):
 def _states_by_node(net, tau, check):
     """The same, one node at a time."""
     parent, length = net.tree.parent.tolist(), net.length.tolist()
+    limit = (tau * net.length).tolist()
     total = net.base.tolist()
     n = len(length)
     best = [-np.inf] * n
@@ -185,7 +193,7 @@ def _states_by_node(net, tau, check):
         if e % 65536 == 0:
             check(1.0 - e / n)
         own, up = length[e], parent[e]
-        allowed, path = tau * own, total[e]
+        allowed, path = limit[e], total[e]
         spare = best[e] - path
         if spare >= own * shrink:
             serves[e] = True
@@ -193,19 +201,23 @@ def _states_by_node(net, tau, check):
         elif path <= allowed * grow:
             leaf[e] = True
             value[e] = path
-            total[up] += path
+            if up >= 0:
+                total[up] += path
             continue
         value[e] = allowed
+        if up < 0:
+            continue
         total[up] += own
         if allowed + own > best[up]:
             best[up] = allowed + own
-    return np.array(leaf), np.array(value), np.array(serves)
+    return np.array(leaf, dtype=bool), np.array(value), np.array(serves, dtype=bool)
 
 
 def _served(net, leaf, value, serves):
     """The child in state ROOT that each serving node serves: the first with the most to spare."""
     parent = net.tree.parent
-    asking = np.flatnonzero(~leaf[1:] & serves[parent[1:]]) + 1
+    roots = net.tree.roots
+    asking = np.flatnonzero(~leaf[roots:] & serves[parent[roots:]]) + roots
     demand = value[asking] + net.length[asking]
     order = np.lexsort((asking, -demand, parent[asking]))
     first = np.diff(parent[asking][order], prepend=-1) != 0
@@ -240,13 +252,13 @@ def _sides_by_node(net, cut, check):
     """The same, one node at a time."""
     parent, length, cut = net.tree.parent.tolist(), net.length.tolist(), cut.tolist()
     below = net.base.tolist()
-    n = len(length)
+    n, roots = len(length), net.tree.roots
     above = [np.inf] * n
-    for e in range(n - 1, 0, -1):
+    for e in range(n - 1, roots - 1, -1):
         if e % 65536 == 0:
             check()
         below[parent[e]] += length[e] if cut[e] else below[e]
-    for e in range(1, n):
+    for e in range(roots, n):
         if e % 65536 == 0:
             check()
         up = parent[e]

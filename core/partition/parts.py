@@ -7,46 +7,68 @@ falls apart into a shell and holes.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 import shapely
 
+from ..rings import cycles, groups, offsets_of, previous, ranges, signed_areas, take
+from .carving import Walk
 from .dual_tree import build_tree
-from .polygon import signed_areas
+from .polygon import Polygons
 
 __all__ = ["Parts", "build_parts"]
 
+_CUT = np.iinfo(np.int64).min
+
 
 class Parts(NamedTuple):
-    """The parts of a polygon, the largest first.
+    """The parts of polygons; those of a polygon stand together, the largest first.
 
     Attributes
     ----------
-    rings : list of list of (k,) int
-        For each part its rings, the shell first: input rows, none repeated at the end.
+    rows : (k,) int
+        Input rows of all rings, none repeated at the end of a ring.
+    offsets : (r + 1,) int
+        Where each ring starts.
+    ring_offsets : (m + 1,) int
+        Where the rings of each part start, its shell first.
+    part_offsets : (p + 1,) int
+        Where the parts of each polygon start.
     area : (m,) float
         In units of the metric.
     sides : (s, 2) int
         For each selected edge, in the order given, the parts on its two sides.
     """
 
-    rings: list
+    rows: np.ndarray
+    offsets: np.ndarray
+    ring_offsets: np.ndarray
+    part_offsets: np.ndarray
     area: np.ndarray
     sides: np.ndarray
 
+    @property
+    def rings(self) -> list:
+        """For each part the list of its rings."""
+        rings = np.split(self.rows, self.offsets[1:-1])
+        bounds = self.ring_offsets.tolist()
+        return [rings[lo:hi] for lo, hi in zip(bounds[:-1], bounds[1:])]
 
-def build_parts(polygon, walk, selected, tree, equal_area):
-    """Split a polygon along its selected edges.
+
+def build_parts(
+    polygons: Polygons, walk: Walk, selected: np.ndarray, tree: np.ndarray, equal_area: Callable
+) -> Parts:
+    """Split polygons along their selected edges.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     walk : Walk
     selected : (s,) int
         Candidates in S, T included.
     tree : (t,) int
-        Candidates in T.
+        Candidates in T, ascending.
     equal_area : callable
         See `metric.Metric`.
 
@@ -59,191 +81,140 @@ def build_parts(polygon, walk, selected, tree, equal_area):
     O(n), but for a sort of n + 2 |S| integers. Parts tile the polygon by construction: each
     half-edge of P and S is used exactly once.
     """
-    m = len(walk.corner)
-    is_cut = ~np.isin(selected, tree)
+    m, roots = len(walk.corner), len(polygons.unit)
+    is_cut = ~np.isin(selected, tree) if len(tree) else np.ones(len(selected), dtype=bool)
     cuts = selected[is_cut]
     i, j = walk.i[cuts], walk.j[cuts]
-    faces = build_tree(m, i, j)
-    count = len(cuts) + 1
+    faces = build_tree(walk.offsets, i, j)
+    count = roots + len(cuts)
     below = np.empty(len(cuts), dtype=np.int64)
-    below[faces.diagonal] = np.arange(1, count)
+    below[faces.diagonal] = np.arange(roots, count)
     above = faces.parent[below]
 
     # half-edges: the walk's own, each cut on its way up (i to j), each cut on its way back
-    face = np.concatenate((faces.edge_face, [0], above, below))
+    face = np.concatenate((faces.edge_face, above, below))
     place = np.concatenate((np.arange(m), i, j))
     edge = np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT)))
     order = np.argsort(face * m + place, kind="stable")
     face, place, edge = face[order], place[order], edge[order]
     bounds = np.searchsorted(face, np.arange(count + 1))
 
-    rings = _Rings(polygon, walk, bounds, place, edge)
-    owner, corners, offsets = rings.split()
-    owner, corners, offsets = _add_free_holes(polygon, walk, owner, corners, offsets)
-    xy = equal_area(polygon.xy)
-    area = np.bincount(owner, weights=signed_areas(xy[polygon.vertex[corners]], offsets),
+    owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
+    owner, corners, offsets = _add_free_holes(polygons, walk, owner, corners, offsets, i, j, below)
+    xy = equal_area(polygons.xy)
+    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets),
                        minlength=count)
     area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
+    polygon = np.arange(count)  # of each face
+    polygon[below] = groups(walk.offsets)[i]
+    order = np.lexsort((np.arange(count), -area, polygon))
     rank = np.empty(count, dtype=np.int64)
-    rank[np.lexsort((np.arange(count), -area))] = np.arange(count)
+    rank[order] = np.arange(count)
 
     sides = np.empty((len(selected), 2), dtype=np.int64)
     sides[is_cut] = np.column_stack((rank[below], rank[above]))
-    if not is_cut.all():
+    if len(tree):
         sides[~is_cut] = rank[_faces_of_tree(walk, faces.edge_face, np.searchsorted(
             tree, selected[~is_cut]))]
+    unit = polygons.unit[polygon[order]]
     with np.errstate(over="ignore"):
-        area = np.sort(area)[::-1] * polygon.unit * polygon.unit
-    return Parts(_rows(polygon, rank[owner], corners, offsets, count), area, sides)
+        area = area[order] * unit * unit
+    rows, offsets, ring_offsets = _rows(polygons, rank[owner], corners, offsets, count,
+                                        polygon[owner])
+    return Parts(rows, offsets, ring_offsets,
+                 offsets_of(np.bincount(polygon, minlength=roots)), area, sides)
 
 
-_CUT = np.iinfo(np.int64).min
+def _rings(polygons, walk, bounds, place, edge):
+    """Rings of corners: the face of each, all corners, and where each ring starts."""
+    if len(polygons.vertex) == len(polygons.xy) and not (walk.edge < 0).any():
+        owner, index, offsets = np.arange(len(bounds) - 1), slice(None), bounds
+    else:
+        index, offsets, owner = cycles(polygons.vertex[walk.corner[place]], bounds)
+    edge, place = edge[index], place[index]
+    before = edge[previous(offsets)]
+    own = np.where(edge >= 0, edge, 0)
+    after = polygons.next_corner[np.where(before >= 0, before, 0)]
+    # half-edges become the corners where they start
+    corner = np.where(edge >= 0, own, np.where(before >= 0, after, walk.corner[place]))
+    if not polygons.inserted.any():
+        return owner, corner, offsets
+    # an inserted corner was only needed to walk; along its edge nobody shall see it
+    needless = polygons.inserted[own] & (edge >= 0) & (before >= 0) & (after == own)
+    kept = np.add.reduceat((~needless).astype(np.int64), offsets[:-1])
+    return owner, corner[~needless], offsets_of(kept)
 
 
-class _Rings(NamedTuple):
-    """Boundary walks of the faces: face f has the half-edges bounds[f] to bounds[f + 1] - 1."""
-
-    polygon: object
-    walk: object
-    bounds: np.ndarray
-    place: np.ndarray
-    edge: np.ndarray
-
-    def split(self):
-        """Rings of corners: the face of each, all corners, and where each ring starts."""
-        vertex = self.polygon.vertex[self.walk.corner[self.place]]
-        face = np.repeat(np.arange(len(self.bounds) - 1), np.diff(self.bounds))
-        passes = np.bincount(self.polygon.vertex[self.walk.corner])
-        meeting = np.unique(face[passes[vertex] > 1])
-        meeting = meeting[self._meets_itself(meeting, vertex)]
-
-        cycles = []
-        for f in meeting:
-            cycles += [(f, c) for c in _cycles(vertex, self.bounds[f], self.bounds[f + 1])]
-        plain = np.ones(len(self.bounds) - 1, dtype=bool)
-        plain[meeting] = False
-        index = np.flatnonzero(plain[face])
-        sizes = np.diff(self.bounds)[plain]
-        owner = np.flatnonzero(plain)
-        if cycles:
-            index = np.concatenate([index] + [c for _, c in cycles])
-            sizes = np.concatenate((sizes, [len(c) for _, c in cycles]))
-            owner = np.concatenate((owner, [f for f, _ in cycles]))
-        return self._corners(owner, index, np.append(0, np.cumsum(sizes)))
-
-    def _meets_itself(self, faces, vertex):
-        """Which of these faces pass a vertex twice."""
-        return np.array(
-            [
-                len(np.unique(vertex[self.bounds[f]:self.bounds[f + 1]]))
-                < self.bounds[f + 1] - self.bounds[f]
-                for f in faces
-            ],
-            dtype=bool,
-        )
-
-    def _corners(self, owner, index, offsets):
-        """Turn half-edges into the corners where they start, without inserted ones."""
-        edge = self.edge[index]
-        previous = edge[_previous(offsets)]
-        own = np.where(edge >= 0, edge, 0)
-        after = self.polygon.next_corner[np.where(previous >= 0, previous, 0)]
-        corner = np.where(
-            edge >= 0, own, np.where(previous >= 0, after, self.walk.corner[self.place[index]])
-        )
-        # an inserted corner was only needed to walk; along its edge nobody shall see it
-        needless = self.polygon.inserted[own] & (edge >= 0) & (previous >= 0) & (after == own)
-        kept = np.add.reduceat((~needless).astype(np.int64), offsets[:-1])
-        return owner, corner[~needless], np.append(0, np.cumsum(kept))
-
-
-def _cycles(vertex, lo, hi):
-    """Split a closed walk where it meets itself: arrays of places in it, one a simple cycle."""
-    vertex = vertex[lo:hi].tolist()
-    stack, depth, cycles = [], {}, []
-    for k, v in enumerate(vertex):
-        if v in depth:
-            base = depth[v]
-            cycles.append(stack[base:])
-            for passed in stack[base:]:
-                del depth[vertex[passed]]
-            del stack[base:]
-        depth[v] = len(stack)
-        stack.append(k)
-    cycles.append(stack)
-    # an edge of T there and back is no ring
-    return [lo + np.array(cycle) for cycle in cycles if len(cycle) > 2]
-
-
-def _previous(offsets):
-    """Index of the element before each in its ring."""
-    before = np.arange(-1, offsets[-1] - 1)
-    before[offsets[:-1]] = offsets[1:] - 1
-    return before
-
-
-def _add_free_holes(polygon, walk, owner, corners, offsets):
-    """Put the rings that the walk leaves out into the parts that contain them."""
-    walked = np.zeros(len(polygon.offsets) - 1, dtype=bool)
-    walked[polygon.ring_of_corner[walk.corner]] = True
+def _add_free_holes(polygons, walk, owner, corners, offsets, i, j, below):
+    """Put the rings that the walks leave out into the parts that contain them."""
+    walked = np.zeros(len(polygons.offsets) - 1, dtype=bool)
+    walked[polygons.ring_of_corner[walk.corner]] = True
     free = np.flatnonzero(~walked)
-    if len(free) == 0:
+    if not len(free):
         return owner, corners, offsets
-    points = polygon.xy[polygon.vertex]
-    lines = shapely.linearrings(
-        points[corners], indices=np.repeat(np.arange(len(owner)), np.diff(offsets))
-    )
-    shells = np.flatnonzero(shapely.is_ccw(lines))
-    # a free hole touches nothing: the innermost shell around it is that of its part
-    inside, around = shapely.STRtree(shapely.polygons(lines[shells])).query(
-        shapely.points(points[polygon.offsets[free]]), predicate="within"
-    )
-    around = shells[around]
-    order = np.lexsort((signed_areas(points[corners], offsets)[around], inside))
-    first = order[np.diff(inside[order], prepend=-1) != 0]
-    rings = [np.arange(polygon.offsets[r], polygon.offsets[r + 1]) for r in free]
-    rings = [ring[~polygon.inserted[ring]] for ring in rings]
+    polygon_of = np.arange(len(polygons.unit) + len(below))  # of a face
+    polygon_of[below] = groups(walk.offsets)[i]
+    ring_polygon = polygon_of[owner]
+    by_polygon = np.argsort(ring_polygon, kind="stable")
+    bounds = np.searchsorted(ring_polygon[by_polygon], np.arange(len(polygons.unit) + 1))
+    points = polygons.xy[polygons.vertex]
+    free_polygon = polygons.polygon_of_ring[free]
+    target = np.empty(len(free), dtype=np.int64)
+    for holes in np.split(np.arange(len(free)), np.flatnonzero(np.diff(free_polygon)) + 1):
+        p = free_polygon[holes[0]]
+        ring = by_polygon[bounds[p]:bounds[p + 1]]
+        index, own = take(offsets, ring)
+        lines = shapely.linearrings(points[corners[index]], indices=groups(own))
+        is_shell = shapely.is_ccw(lines)
+        size = signed_areas(points[corners[index]], own)[is_shell]
+        # a free hole touches nothing: the innermost shell around it is that of its part
+        inside, around = shapely.STRtree(shapely.polygons(lines[is_shell])).query(
+            shapely.points(points[polygons.offsets[free[holes]]]), predicate="within"
+        )
+        order = np.lexsort((size[around], inside))
+        first = order[np.diff(inside[order], prepend=-1) != 0]
+        target[holes[inside[first]]] = owner[ring[is_shell][around[first]]]
+    index, sizes = take(polygons.offsets, free)
+    kept = ~polygons.inserted[index]
     return (
-        np.concatenate((owner, owner[around[first]])),
-        np.concatenate([corners] + rings),
-        np.concatenate((offsets, offsets[-1] + np.cumsum([len(ring) for ring in rings]))),
+        np.concatenate((owner, target)),
+        np.concatenate((corners, index[kept])),
+        np.append(offsets, offsets[-1] + np.cumsum(np.add.reduceat(kept.astype(np.int64), sizes[:-1]))),
     )
 
 
 def _faces_of_tree(walk, edge_face, numbers):
     """Faces on the two sides of edges of T."""
-    edge_face = np.append(edge_face, 0)
     places = np.flatnonzero(walk.edge < 0)
     places = places[np.argsort(-1 - walk.edge[places], kind="stable")].reshape(-1, 2)
     return edge_face[places[numbers]]
 
 
-def _rows(polygon, owner, corners, offsets, count):
-    """Rings of input rows for each part, shells turned as the input's."""
-    repeat = np.diff(polygon.row_start)[corners]
-    ends = np.cumsum(repeat)
-    within = np.arange(ends[-1]) - np.repeat(ends - repeat, repeat)
-    rows = polygon.rows[np.repeat(polygon.row_start[corners], repeat) + within]
-    ring_ends = np.append(0, ends)[offsets]
+def _rows(polygons, owner, corners, offsets, count, polygon):
+    """Rings of input rows for each part, shells turned as the input's: rows, rings, parts."""
+    ring_size = np.diff(offsets)
     order = np.argsort(owner, kind="stable")
     several = np.flatnonzero(np.bincount(owner, minlength=count)[owner[order]] > 1)
     if len(several):
-        order[several] = order[several][_shells_first(polygon, owner, corners, offsets,
+        order[several] = order[several][_shells_first(polygons, owner, corners, offsets,
                                                       order[several])]
-    rings = [[] for _ in range(count)]
-    step = -1 if polygon.shell_reversed else 1
-    for ring, part in zip(order.tolist(), owner[order].tolist()):
-        rings[part].append(rows[ring_ends[ring]:ring_ends[ring + 1]][::step])
-    return rings
+    corner, _ = take(offsets, order)
+    corner = corners[corner]
+    repeat = np.diff(polygons.row_start)[corner]
+    ends = offsets_of(repeat)
+    rows = polygons.rows[ranges(polygons.row_start[corner], repeat)]
+    offsets = ends[offsets_of(ring_size[order])]
+    turned = polygons.shell_reversed[polygon[order]]
+    if turned.any():
+        size = np.diff(offsets)
+        back = np.repeat(offsets[1:] + offsets[:-1] - 1, size) - np.arange(len(rows))
+        rows = rows[np.where(np.repeat(turned, size), back, np.arange(len(rows)))]
+    return rows, offsets, offsets_of(np.bincount(owner, minlength=count))
 
 
-def _shells_first(polygon, owner, corners, offsets, rings):
+def _shells_first(polygons, owner, corners, offsets, rings):
     """Order of the rings of parts with holes: by part, its only counter-clockwise ring first."""
-    points = polygon.xy[polygon.vertex]
-    ccw = shapely.is_ccw(
-        shapely.linearrings(
-            np.concatenate([points[corners[offsets[r]:offsets[r + 1]]] for r in rings]),
-            indices=np.repeat(np.arange(len(rings)), np.diff(offsets)[rings]),
-        )
-    )
+    points = polygons.xy[polygons.vertex]
+    index, own = take(offsets, rings)
+    ccw = shapely.is_ccw(shapely.linearrings(points[corners[index]], indices=groups(own)))
     return np.lexsort((rings, ~ccw, owner[rings]))

@@ -1,11 +1,11 @@
-"""First stage: the rings of one polygon become canonical, checked arrays.
+"""First stage: the rings of polygons become canonical, checked arrays.
 
 Everything after this stage works on indices, so the result cannot depend on where a ring starts,
 on its direction or on the order of the holes, and no coordinate is ever recomputed.
 
 Vocabulary: a *row* is a vertex of the input with all its coordinates; a *corner* is a place on a
 ring (consecutive rows at the same point share a corner); a *vertex* is a point of the plane (rings
-that touch share a vertex, each with a corner of its own).
+that touch share a vertex, each with a corner of its own). Polygons never share any of these.
 """
 
 from __future__ import annotations
@@ -16,228 +16,326 @@ import numpy as np
 import shapely
 
 from ..errors import Unsolvable
+from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
 
-__all__ = ["Polygon", "from_rings", "is_valid", "ring_polygon", "signed_areas", "without_rings"]
+__all__ = ["Polygons", "from_rings", "is_valid", "one", "select", "without_rings"]
 
 
-class Polygon(NamedTuple):
-    """A valid polygon in canonical order (section 2 of the paper: the geometric graph G).
+class Polygons(NamedTuple):
+    """Valid polygons in canonical order (section 2 of the paper: the geometric graphs G).
 
-    Ring 0 is the shell, counter-clockwise; the others are holes, clockwise. Each starts at its
-    lexicographically smallest vertex, and the holes follow in the order of these.
+    The first ring of each is its shell, counter-clockwise; the others are holes, clockwise. Each
+    starts at its lexicographically smallest vertex, and the holes follow in the order of these.
 
     Attributes
     ----------
     xy : (n, 2) float
-        Coordinates of the vertices, divided by ``unit``.
-    unit : float
-        A power of two; 1 unless the coordinates are so large or small that squares would
-        overflow.
+        Coordinates of the vertices, divided by ``unit``; those of a polygon stand together.
+    unit : (p,) float
+        Powers of two; 1 unless the coordinates are so large or small that squares would overflow.
     vertex : (c,) int
         The vertex at each corner.
     offsets : (r + 1,) int
         Ring k has the corners ``offsets[k]`` to ``offsets[k + 1] - 1``.
+    polygon_offsets : (p + 1,) int
+        Where the rings of each polygon start.
     rows : (k,) int
         Input rows in canonical order.
     row_start : (c + 1,) int
         Corner i has the rows ``rows[row_start[i]:row_start[i + 1]]``.
     inserted : (c,) bool
         Corners that the input does not have: a vertex of one ring inside an edge of another.
-    input_ring : (r,) int
-        The input's number of each ring.
-    shell_reversed : bool
+    shell_reversed : (p,) bool
         Whether the input's shell was clockwise.
+    number : (p,) int
+        The input's number of each polygon.
     """
 
     xy: np.ndarray
-    unit: float
+    unit: np.ndarray
     vertex: np.ndarray
     offsets: np.ndarray
+    polygon_offsets: np.ndarray
     rows: np.ndarray
     row_start: np.ndarray
     inserted: np.ndarray
-    input_ring: np.ndarray
-    shell_reversed: bool
+    shell_reversed: np.ndarray
+    number: np.ndarray
 
     @property
-    def next_corner(self):
+    def next_corner(self) -> np.ndarray:
         """(c,) int: the corner after each corner on its ring."""
-        following = np.arange(1, len(self.vertex) + 1)
-        following[self.offsets[1:] - 1] = self.offsets[:-1]
-        return following
+        return following(self.offsets)
 
     @property
-    def ring_of_corner(self):
+    def ring_of_corner(self) -> np.ndarray:
         """(c,) int: the ring of each corner."""
-        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+        return groups(self.offsets)
+
+    @property
+    def polygon_of_ring(self) -> np.ndarray:
+        """(r,) int: the polygon of each ring."""
+        return groups(self.polygon_offsets)
+
+    @property
+    def corner_offsets(self) -> np.ndarray:
+        """(p + 1,) int: where the corners of each polygon start."""
+        return self.offsets[self.polygon_offsets]
+
+    @property
+    def polygon_of_vertex(self) -> np.ndarray:
+        """(n,) int: the polygon of each vertex."""
+        polygon = np.empty(len(self.xy), dtype=np.int64)
+        polygon[self.vertex] = groups(self.corner_offsets)
+        return polygon
+
+    @property
+    def vertex_offsets(self) -> np.ndarray:
+        """(p + 1,) int: where the vertices of each polygon start."""
+        if len(self.vertex) == len(self.xy):
+            return self.corner_offsets
+        return offsets_of(np.bincount(self.polygon_of_vertex, minlength=len(self.unit)))
 
 
-def from_rings(coords, offsets):
-    """Check the rings of one polygon and bring them into canonical order.
+def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
+    """Check the rings of polygons and bring them into canonical order.
 
     Parameters
     ----------
-    coords : (k, d) float, d >= 2
-        x, y and whatever else rides along, one row a vertex, without the closing rows.
-    offsets : (r + 1,) int
-        Ring i is ``coords[offsets[i]:offsets[i + 1]]``; ring 0 is the shell.
+    rings : Rings
+        x, y and whatever else rides along, without closing rows.
 
     Returns
     -------
-    Polygon
-
-    Raises
-    ------
-    Unsolvable
-        If the polygon is empty, not finite, degenerate or not valid.
+    polygons : Polygons
+        The good ones, in the order given.
+    verdict : (p,) object
+        For each input polygon '', or why it is not among them: empty, not finite, degenerate or not valid.
 
     Notes
     -----
     O(k log k): validity and, where there are holes, the search for touching rings.
+
+    Examples
+    --------
+    >>> square = np.array([[0, 0], [0, 1], [1, 1], [1, 0.0]])
+    >>> polygons, verdict = from_rings(one_polygon(square, [0, 4]))
+    >>> polygons.rows, polygons.shell_reversed
+    (array([0, 3, 2, 1]), array([ True]))
     """
-    offsets = np.asarray(offsets, dtype=np.int64)
-    if len(offsets) < 2 or offsets[0] == offsets[-1]:
-        raise Unsolvable("empty geometry")
-    xy = np.array(coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
-    if not np.isfinite(xy).all():
-        raise Unsolvable("coordinates are not finite (NaN or infinity)")
-    xy, unit = _scaled(xy)
+    offsets, polygon_offsets = rings.offsets, rings.polygon_offsets
+    count = len(polygon_offsets) - 1
+    verdict = np.full(count, "", dtype=object)
+    size = np.diff(offsets)
+    ring_polygon = groups(polygon_offsets)
+    row_polygon = np.repeat(ring_polygon, size)
+    xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
 
-    rings = [_distinct(xy, lo, hi) for lo, hi in zip(offsets[:-1], offsets[1:])]
-    if any(len(start) < 3 for _, start in rings):
-        raise Unsolvable("a ring has fewer than three distinct vertices")
-    lines = shapely.linearrings(
-        xy[np.concatenate([rows[start] for rows, start in rings])],
-        indices=np.repeat(np.arange(len(rings)), [len(start) for _, start in rings]),
-    )
-    shape = shapely.polygons(lines[0], lines[1:])
-    if not is_valid(shape):
-        raise Unsolvable("invalid geometry: " + _reason(shape, unit))
+    empty = np.bincount(row_polygon, minlength=count) == 0
+    verdict[empty] = "empty geometry"
+    finite = np.isfinite(xy).all(axis=1)
+    bad = np.zeros(count, dtype=bool)
+    bad[row_polygon[~finite]] = True
+    verdict[bad] = "coordinates are not finite (NaN or infinity)"
+    xy[~finite] = 0.0
+    xy, unit = _scaled(xy, row_polygon, count)
 
-    ccw = shapely.is_ccw(lines)
-    rings = [
-        _canonical_ring(xy, rows, start, bool(is_ccw) != (number == 0))
-        for number, ((rows, start), is_ccw) in enumerate(zip(rings, ccw))
-    ]
-    order = [0] + sorted(range(1, len(rings)), key=lambda k: _first_two(xy, *rings[k]))
-    rows = np.concatenate([rings[k][0] for k in order])
-    size = np.array([len(rings[k][1]) for k in order])
-    row_start = np.concatenate(
-        [rings[k][1] + shift for k, shift in zip(order, _starts([len(rings[k][0]) for k in order]))]
-        + [[len(rows)]]
-    )
-    polygon = Polygon(
-        xy=xy[rows[row_start[:-1]]],
-        unit=unit,
-        vertex=np.arange(len(row_start) - 1),
-        offsets=np.append(_starts(size), size.sum()),
-        rows=rows,
-        row_start=row_start,
-        inserted=np.zeros(len(row_start) - 1, dtype=bool),
-        input_ring=np.array(order),
-        shell_reversed=not ccw[0],
-    )
-    return polygon if len(order) == 1 else _merge_touching(polygon, lines[order])
-
-
-def is_valid(shape):
-    """Whether a shapely polygon is valid as far as GEOS can tell: on some it fails by underflow."""
-    try:
-        return bool(shapely.is_valid(shape))
-    except shapely.errors.GEOSException:
-        return False
+    # corners: rows that differ from the one before on their ring
+    is_start = np.ones(len(xy), dtype=bool)
+    is_start[1:] = (xy[1:] != xy[:-1]).any(axis=1)
+    some = np.flatnonzero(size)
+    first, last = offsets[:-1][some], offsets[1:][some] - 1
+    is_start[first] = (xy[first] != xy[last]).any(axis=1)
+    corner_count = np.zeros(len(size), dtype=np.int64)
+    corner_count[some] = np.add.reduceat(is_start, first) if len(some) else 0
+    thin = np.zeros(count, dtype=bool)
+    thin[ring_polygon[corner_count < 3]] = True
+    verdict[thin & ~empty & ~bad] = "a ring has fewer than three distinct vertices"
+    good = verdict == ""
+    kept = good[ring_polygon]  # rings
+    starts = np.flatnonzero(is_start & good[row_polygon])
+    corner_offsets = offsets_of(corner_count[kept])
+    shape = shapes(xy[starts], corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
+    valid = is_valid(shape)
+    if not valid.all():
+        number = np.flatnonzero(good)
+        for k in np.flatnonzero(~valid).tolist():
+            verdict[number[k]] = "invalid geometry: " + _reason(shape[k], unit[number[k]])
+        again = np.flatnonzero(kept)
+        keep = valid[np.repeat(np.arange(len(valid)), np.diff(polygon_offsets)[good])]
+        kept[again[~keep]] = False
+        good[number[~valid]] = False
+        index, corner_offsets = take(corner_offsets, np.flatnonzero(keep))
+        starts = starts[index]
+    polygons = _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon, good)
+    polygons = polygons._replace(unit=unit[good])
+    return _merge_touching(polygons), verdict
 
 
-def ring_polygon(polygon, xy):
-    """Return the shapely polygon of all rings, with the vertices at ``xy``."""
-    lines = shapely.linearrings(xy[polygon.vertex], indices=polygon.ring_of_corner)
-    return shapely.polygons(lines[0], lines[1:])
-
-
-def without_rings(polygon, left_out):
-    """Return a polygon without some holes, good for a triangulation, and its vertices' numbers.
+def one(coords: np.ndarray, offsets: np.ndarray) -> Polygons:
+    """Return a single polygon, a chunk of one; `Unsolvable` says why it cannot be used.
 
     Parameters
     ----------
-    polygon : Polygon
+    coords : (k, d) float
+    offsets : (r + 1,) int
+        Ring i is ``coords[offsets[i]:offsets[i + 1]]``; ring 0 is the shell.
+    """
+    polygons, (problem,) = from_rings(one_polygon(coords, offsets))
+    if problem:
+        raise Unsolvable(problem)
+    return polygons
+
+
+def is_valid(shape: np.ndarray) -> np.ndarray:
+    """Whether shapely polygons are valid as far as GEOS can tell: on some it fails by underflow."""
+    try:
+        return np.atleast_1d(shapely.is_valid(shape))
+    except shapely.errors.GEOSException:
+        if len(shape) == 1:
+            return np.zeros(1, dtype=bool)
+        return np.array([is_valid(shape[k:k + 1])[0] for k in range(len(shape))])
+
+
+def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]:
+    """Return some of the polygons, and the numbers that their vertices had.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    which : (q,) int
+        Ascending.
+    """
+    ring, polygon_offsets = take(polygons.polygon_offsets, which)
+    corner, offsets = take(polygons.offsets, ring)
+    vertex, _ = take(polygons.vertex_offsets, which)
+    number = np.full(len(polygons.xy), -1)
+    number[vertex] = np.arange(len(vertex))
+    row_index, row_start = take(polygons.row_start, corner)
+    return Polygons(
+        xy=polygons.xy[vertex],
+        unit=polygons.unit[which],
+        vertex=number[polygons.vertex[corner]],
+        offsets=offsets,
+        polygon_offsets=polygon_offsets,
+        rows=polygons.rows[row_index],
+        row_start=row_start,
+        inserted=polygons.inserted[corner],
+        shell_reversed=polygons.shell_reversed[which],
+        number=polygons.number[which],
+    ), vertex
+
+
+def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, np.ndarray]:
+    """Return polygons without some holes, good for a triangulation, and their vertices' numbers.
+
+    Parameters
+    ----------
+    polygons : Polygons
     left_out : (r,) bool
         Holes that touch no other ring.
 
     Returns
     -------
-    Polygon
+    Polygons
         Without rows.
     vertex : (n',) int
         For each of its vertices the one of the whole polygon, ascending.
     """
-    kept = ~left_out[polygon.ring_of_corner]
-    vertex, numbers = np.unique(polygon.vertex[kept], return_inverse=True)
-    size = np.diff(polygon.offsets)[~left_out]
+    corner, offsets = take(polygons.offsets, np.flatnonzero(~left_out))
+    is_left = np.zeros(len(polygons.xy), dtype=bool)
+    is_left[polygons.vertex[corner]] = True
+    vertex = np.flatnonzero(is_left)
+    number = np.cumsum(is_left) - 1
     none = np.empty(0, dtype=np.int64)
-    return polygon._replace(
-        xy=polygon.xy[vertex],
-        vertex=numbers.ravel(),
-        offsets=np.append(_starts(size), size.sum()),
+    rest = np.bincount(polygons.polygon_of_ring, weights=~left_out, minlength=len(polygons.unit))
+    return polygons._replace(
+        xy=polygons.xy[vertex],
+        vertex=number[polygons.vertex[corner]],
+        offsets=offsets,
+        polygon_offsets=offsets_of(rest.astype(np.int64)),
         rows=none,
         row_start=none,
-        inserted=polygon.inserted[kept],
-        input_ring=polygon.input_ring[~left_out],
+        inserted=polygons.inserted[corner],
     ), vertex
 
 
-def signed_areas(xy, offsets):
-    """Signed areas of rings that lie one after the other, ccw positive.
-
-    Parameters
-    ----------
-    xy : (k, 2) float
-        Corners of all rings, none repeated at its end.
-    offsets : (r + 1,) int
-    """
-    first = np.repeat(offsets[:-1], np.diff(offsets))
-    x, y = (xy - xy[first]).T  # near the origin the shoelace formula cancels least
-    following = np.arange(1, len(xy) + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
-    return 0.5 * np.add.reduceat(x * y[following] - x[following] * y, offsets[:-1])
-
-
-def _scaled(xy):
+def _scaled(xy, row_polygon, count):
     """Bring extreme magnitudes to about 1, by a power of two: exact."""
-    largest = np.abs(xy).max()
-    if 1e-50 < largest < 1e50:
-        return xy, 1.0
-    exponent = int(np.frexp(largest)[1]) if largest > 0 else 0
-    return np.ldexp(xy, -exponent), float(np.ldexp(1.0, exponent))
+    unit = np.ones(count)
+    largest = np.zeros(count)
+    if len(xy):
+        first = np.flatnonzero(np.diff(row_polygon, prepend=-1))
+        largest[row_polygon[first]] = np.maximum.reduceat(np.abs(xy).max(axis=1), first)
+    extreme = np.flatnonzero(((largest <= 1e-50) & (largest > 0.0)) | (largest >= 1e50))
+    for p in extreme.tolist():
+        exponent = int(np.frexp(largest[p])[1])
+        unit[p] = np.ldexp(1.0, exponent)
+        own = row_polygon == p
+        xy[own] = np.ldexp(xy[own], -exponent)
+    return xy, unit
 
 
-def _distinct(xy, lo, hi):
-    """Rows of a ring from the start of a corner on, and where in them each corner starts."""
-    ring = xy[lo:hi]
-    first = np.flatnonzero((ring != np.roll(ring, 1, axis=0)).any(axis=1))
-    if len(first) == 0:
-        return np.arange(lo, hi), first
-    return lo + np.roll(np.arange(hi - lo), -first[0]), first - first[0]
+def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon, good):
+    """Turn the rings, rotate each to its smallest vertex, and sort the holes."""
+    ring = np.flatnonzero(kept)
+    polygon = np.cumsum(good)[ring_polygon[ring]] - 1
+    is_hole = np.diff(polygon, prepend=-1) == 0
+    if not len(ring):
+        none = np.empty(0, dtype=np.int64)
+        return Polygons(np.empty((0, 2)), np.empty(0), none, np.zeros(1, np.int64), np.zeros(1, np.int64),
+                        none, np.zeros(1, np.int64), np.empty(0, bool), np.empty(0, bool), none)
+    ccw = shapely.is_ccw(shapely.linearrings(xy[starts], indices=groups(corner_offsets)))
+    backwards = ccw == is_hole
+    # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
+    x, y = xy[starts].T
+    x_least = np.minimum.reduceat(x, corner_offsets[:-1])
+    y = np.where(x == np.repeat(x_least, np.diff(corner_offsets)), y, np.inf)
+    y_least = np.minimum.reduceat(y, corner_offsets[:-1])
+    smallest = np.flatnonzero(y == np.repeat(y_least, np.diff(corner_offsets)))
 
+    lo, size = offsets[:-1][ring], np.diff(offsets)[ring]
+    begin = starts[smallest]
+    if backwards.any():
+        # backwards a corner begins at its last row: the one before the next corner's first
+        after = starts[following(corner_offsets)[smallest]] - lo - 1
+        begin = np.where(backwards, lo + after % size, begin)
+    along = ranges(np.zeros(len(ring), dtype=np.int64), size)
+    step = np.where(backwards, -1, 1)
+    rows = np.repeat(lo, size) + (
+        np.repeat(begin - lo, size) + np.repeat(step, size) * along
+    ) % np.repeat(size, size)
+    if backwards.any():
+        nxt = rows - np.repeat(lo, size) + 1
+        nxt = np.repeat(lo, size) + np.where(nxt == np.repeat(size, size), 0, nxt)
+        begins = np.where(np.repeat(backwards, size), is_start[nxt], is_start[rows])
+    else:
+        begins = is_start[rows]
 
-def _canonical_ring(xy, rows, start, reverse):
-    """Rotate a ring to its smallest vertex and turn it if asked to."""
-    if reverse:
-        start = np.append(0, len(rows) - start[:0:-1])
-        rows = rows[::-1]
-    x, y = xy[rows[start]].T
-    leftmost = np.flatnonzero(x == x.min())
-    first = start[leftmost[np.argmin(y[leftmost])]]
-    return np.roll(rows, -first), np.concatenate(
-        (start[start >= first] - first, start[start < first] + (len(rows) - first))
+    # holes in the order of their first two vertices
+    if is_hole.any():
+        row_offsets = offsets_of(size)
+        head = np.flatnonzero(begins)
+        at = corner_offsets[:-1]
+        p, q = xy[rows[head[at]]], xy[rows[head[at + 1]]]
+        key = np.where(is_hole[:, None], np.column_stack((p, q)), -np.inf)
+        order = np.lexsort((key[:, 3], key[:, 2], key[:, 1], key[:, 0], polygon))
+        index, _ = take(row_offsets, order)
+        rows, begins = rows[index], begins[index]
+        corner_offsets = offsets_of(np.diff(corner_offsets)[order])
+    row_start = np.append(np.flatnonzero(begins), len(rows))
+    return Polygons(
+        xy=xy[rows[row_start[:-1]]],
+        unit=None,
+        vertex=np.arange(len(row_start) - 1),
+        offsets=corner_offsets,
+        polygon_offsets=np.append(np.flatnonzero(~is_hole), len(ring)),
+        rows=rows,
+        row_start=row_start,
+        inserted=np.zeros(len(row_start) - 1, dtype=bool),
+        shell_reversed=backwards[~is_hole],
+        number=np.flatnonzero(good),
     )
-
-
-def _first_two(xy, rows, start):
-    return tuple(xy[rows[start[0]]]) + tuple(xy[rows[start[1]]])
-
-
-def _starts(sizes):
-    return np.append(0, np.cumsum(sizes)[:-1])
 
 
 def _reason(shape, unit):
@@ -251,61 +349,99 @@ def _reason(shape, unit):
     return reason.split("[")[0].strip()
 
 
-def _merge_touching(polygon, lines):
+def _merge_touching(polygons):
     """Give touching rings common vertices; a touched edge gets a corner there.
 
     In a valid polygon two rings have at most one point in common. It is a vertex of at least one.
     """
-    pairs = shapely.STRtree(lines).query(lines, predicate="intersects")
-    touching = np.unique(pairs[:, pairs[0] != pairs[1]])
-    if len(touching) == 0:
-        return polygon
-    polygon = _insert_corners(polygon, touching)
-    corners = np.flatnonzero(np.isin(polygon.ring_of_corner, touching))
-    _, first, inverse = np.unique(
-        polygon.xy[corners], axis=0, return_index=True, return_inverse=True
+    touching = _touching(polygons)
+    if not len(touching):
+        return polygons
+    polygons = _insert_corners(polygons, touching)
+    is_touching = np.zeros(len(polygons.offsets) - 1, dtype=bool)
+    is_touching[touching] = True
+    corners = np.flatnonzero(is_touching[polygons.ring_of_corner])
+    owner = polygons.polygon_of_ring[polygons.ring_of_corner[corners]]
+    x, y = polygons.xy[corners].T
+    order = np.lexsort((corners, y, x, owner))
+    new = np.ones(len(corners), dtype=bool)
+    new[1:] = (
+        (np.diff(owner[order]) != 0) | (np.diff(x[order]) != 0) | (np.diff(y[order]) != 0)
     )
-    representative = np.arange(len(polygon.vertex))
-    representative[corners] = corners[first][inverse.ravel()]
+    first = corners[order][new]
+    representative = np.arange(len(polygons.vertex))
+    representative[corners[order]] = first[np.cumsum(new) - 1]
     kept, vertex = np.unique(representative, return_inverse=True)
-    return polygon._replace(xy=polygon.xy[kept], vertex=vertex.ravel())
+    return polygons._replace(xy=polygons.xy[kept], vertex=vertex.ravel())
 
 
-def _insert_corners(polygon, touching):
+def _touching(polygons):
+    """Rings that touch another ring of their polygon."""
+    holes = np.diff(polygons.polygon_offsets) - 1
+    if not holes.any():
+        return np.empty(0, dtype=np.int64)
+    lines = np.empty(len(polygons.offsets) - 1, dtype=object)
+    with_holes = np.flatnonzero(holes > 0)
+    ring, _ = take(polygons.polygon_offsets, with_holes)
+    corner, offsets = take(polygons.offsets, ring)
+    lines[ring] = shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
+    found = []
+    # one hole: no tree is needed, and all such polygons are one call
+    shell = polygons.polygon_offsets[:-1][holes == 1]
+    met = shell[shapely.intersects(lines[shell], lines[shell + 1])]
+    found += [met, met + 1]
+    for p in np.flatnonzero(holes > 1).tolist():
+        lo, hi = polygons.polygon_offsets[p:p + 2].tolist()
+        tree = shapely.STRtree(lines[lo + 1:hi])
+        met = lo + 1 + tree.query(lines[lo], predicate="intersects")
+        pairs = tree.query(lines[lo + 1:hi], predicate="intersects")
+        found += [met, np.full(min(len(met), 1), lo), lo + 1 + pairs[0][pairs[0] != pairs[1]]]
+    return np.unique(np.concatenate(found))
+
+
+def _insert_corners(polygons, touching):
     """Insert a corner where a vertex of one touching ring lies inside an edge of another."""
-    corners = np.flatnonzero(np.isin(polygon.ring_of_corner, touching))
-    ends = polygon.next_corner[corners]
-    segments = shapely.linestrings(np.stack((polygon.xy[corners], polygon.xy[ends]), axis=1))
-    point, edge = shapely.STRtree(segments).query(
-        shapely.points(polygon.xy[corners]), predicate="intersects"
-    )
-    point, edge = corners[point], corners[edge]
-    end = polygon.next_corner[edge]
-    inside = (polygon.xy[point] != polygon.xy[edge]).any(axis=1)
-    inside &= (polygon.xy[point] != polygon.xy[end]).any(axis=1)
+    xy = polygons.xy
+    owner = polygons.polygon_of_ring[touching]
+    points, edges = [], []
+    for rings in np.split(touching, np.flatnonzero(np.diff(owner)) + 1):
+        corners, _ = take(polygons.offsets, rings)
+        ends = corners[following(offsets_of(np.diff(polygons.offsets)[rings]))]
+        segments = shapely.linestrings(np.stack((xy[corners], xy[ends]), axis=1))
+        point, edge = shapely.STRtree(segments).query(
+            shapely.points(xy[corners]), predicate="intersects"
+        )
+        points.append(corners[point])
+        edges.append(corners[edge])
+    point, edge = np.concatenate(points), np.concatenate(edges)
+    end = polygons.next_corner[edge]
+    inside = (xy[point] != xy[edge]).any(axis=1) & (xy[point] != xy[end]).any(axis=1)
     point, edge = point[inside], edge[inside]
     if len(point) == 0:
-        return polygon
-    offset = polygon.xy[point] - polygon.xy[edge]
+        return polygons
+    offset = xy[point] - xy[edge]
     along = np.lexsort((np.hypot(offset[:, 0], offset[:, 1]), edge))
     point, edge = point[along], edge[along]
     # two rings may touch an edge at the same point: one corner is enough
     repeated = np.append(
-        False, (edge[1:] == edge[:-1]) & (polygon.xy[point[1:]] == polygon.xy[point[:-1]]).all(1)
+        False, (edge[1:] == edge[:-1]) & (xy[point[1:]] == xy[point[:-1]]).all(1)
     )
     point, edge = point[~repeated], edge[~repeated]
 
     place = edge + 1
-    added = np.bincount(np.searchsorted(polygon.offsets, edge, side="right"), minlength=len(
-        polygon.offsets))
-    rows = np.insert(polygon.rows, polygon.row_start[place], polygon.rows[polygon.row_start[point]])
-    row_count = np.insert(np.diff(polygon.row_start), place, 1)
-    xy = np.insert(polygon.xy, place, polygon.xy[point], axis=0)
-    return polygon._replace(
+    added = np.bincount(
+        np.searchsorted(polygons.offsets, edge, side="right"), minlength=len(polygons.offsets)
+    )
+    rows = np.insert(
+        polygons.rows, polygons.row_start[place], polygons.rows[polygons.row_start[point]]
+    )
+    row_count = np.insert(np.diff(polygons.row_start), place, 1)
+    xy = np.insert(xy, place, xy[point], axis=0)
+    return polygons._replace(
         xy=xy,
         vertex=np.arange(len(xy)),
-        offsets=polygon.offsets + np.cumsum(added),
+        offsets=polygons.offsets + np.cumsum(added),
         rows=rows,
-        row_start=np.append(0, np.cumsum(row_count)),
-        inserted=np.insert(polygon.inserted, place, True),
+        row_start=offsets_of(row_count),
+        inserted=np.insert(polygons.inserted, place, True),
     )

@@ -1,16 +1,21 @@
-"""The whole road of one polygon through the stages: rings in, parts and cuts out.
+"""The whole road of polygons through the stages: rings in, parts and cuts out.
 
-`partition` walks it once. `prepare` and `select` let the dual problem and the trade-off curve solve
-for many tau on one triangulation; `finish` makes the parts.
+`partition` walks it once for one polygon. `prepare`, `select` and `finish` walk it for a chunk of
+polygons as one forest; the dual problem and the trade-off curve select for many tau what was prepared
+once. A polygon that cannot be solved is a verdict, and nothing of it goes on.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
 from .. import metric
+from ..errors import Unsolvable
+from ..progress import checker, ignore, stretch
+from ..rings import Rings, following, groups, one_polygon
+from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
@@ -18,65 +23,75 @@ from .dual_tree import build_tree
 from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .parts import Parts, build_parts
-from .polygon import Polygon, from_rings
-from ..progress import checker, ignore, stretch
+from .polygon import Polygons, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
 
+AMBIGUOUS = "the rings could not be connected (their touching is ambiguous)"
+
 
 class Prepared(NamedTuple):
-    """A polygon with its candidates, ready to be solved for any tau.
+    """Polygons with their candidates, ready to be solved for any tau.
 
-    Lengths are in units of the metric divided by ``polygon.unit``.
+    Lengths are in units of the metric.
 
     Attributes
     ----------
-    polygon : Polygon
+    polygons : Polygons
+        Those that can be solved.
+    verdict : (q,) object
+        For each input polygon '', or why it cannot be solved.
     measure : metric.Metric
-    position : (n, k) float
-        Where the vertices are, for ``measure.length``.
-    component, wanted : (r,) int, set of int
-        Boundary component of each ring, and which of them count.
+    component : (r,) int
+        Boundary component of each ring.
+    wanted : (r,) bool
+        Which components count.
     edges : (k, 2) int
-        Candidate edges and edges of T.
+        Candidate edges and edges of T; those of a polygon stand together.
+    owner : (k,) int
+        The polygon of each.
     length, detour : (k,) float
     bounded : (k,) bool
         The candidates proper: an edge of T shorter than the least length is none.
     edge_length : (c,) float
         Length of the polygon edge that leaves each corner.
     carved : Carved
-    lines : Lines or None
-        What became of the lines given as candidates.
+    lines : list of Lines, or None
+        What became of the lines given as candidates, for each input polygon (None where it is invalid).
+    edge_line : (k,) int or None
+        The line of each edge.
     """
 
-    polygon: Polygon
+    polygons: Polygons
+    verdict: np.ndarray
     measure: metric.Metric
-    position: np.ndarray
     component: np.ndarray
-    wanted: set
+    wanted: np.ndarray
     edges: np.ndarray
+    owner: np.ndarray
     length: np.ndarray
     detour: np.ndarray
     bounded: np.ndarray
     edge_length: np.ndarray
     carved: Carved
-    lines: Lines | None
+    lines: list[Lines] | None
+    edge_line: np.ndarray | None
 
     @property
-    def edge_rows(self):
+    def edge_rows(self) -> np.ndarray:
         """(k, 2) int: input rows at the ends of the edges."""
-        row = np.empty(len(self.polygon.xy), dtype=np.int64)
-        row[self.polygon.vertex] = self.polygon.rows[self.polygon.row_start[:-1]]
+        row = np.empty(len(self.polygons.xy), dtype=np.int64)
+        row[self.polygons.vertex] = self.polygons.rows[self.polygons.row_start[:-1]]
         return row[self.edges]
 
     @property
-    def has_holes(self):
-        """Whether distances on the carved polygon are only upper bounds."""
-        return len(self.polygon.offsets) > 2
+    def with_holes(self) -> np.ndarray:
+        """(p,) bool: where distances on the carved polygon are only upper bounds."""
+        return np.diff(self.polygons.polygon_offsets) > 1
 
 
 class Carved(NamedTuple):
-    """A polygon carved open along T (section 4.3).
+    """Polygons carved open along T (section 4.3).
 
     Attributes
     ----------
@@ -86,7 +101,7 @@ class Carved(NamedTuple):
         All other edges.
     walk : Walk
     net : Network
-        Its nodes are the free edges.
+        Its nodes but the roots are the free edges.
     """
 
     tree: np.ndarray
@@ -95,13 +110,13 @@ class Carved(NamedTuple):
     net: Network
 
     @property
-    def node_edge(self):
-        """(f,) int: the edge of each node but the root."""
+    def node_edge(self) -> np.ndarray:
+        """(f,) int: the edge of each node but the roots."""
         return self.free[self.net.tree.diagonal]
 
 
 class Selection(NamedTuple):
-    """A solution S.
+    """Solutions S.
 
     Attributes
     ----------
@@ -109,30 +124,34 @@ class Selection(NamedTuple):
         The edges in S, ascending.
     carved : Carved
         With a T that is part of S.
-    cost, lower_bound : float
+    cost, lower_bound : (p,) float
         What S costs, and what a solution for the carved polygon must cost.
-    dilation : float or None
+    dilation : (p,) float or None
         The largest dilation of a candidate in P and S, if it was asked for.
     """
 
     selected: np.ndarray
     carved: Carved
-    cost: float
-    lower_bound: float
-    dilation: float | None
+    cost: np.ndarray
+    lower_bound: np.ndarray
+    dilation: np.ndarray | None
 
 
 class Partition(NamedTuple):
-    """A solved polygon.
+    """Solved polygons.
 
     Candidate edges are those whose dilation is bounded, and the edges of T; vertices count as in
-    ``polygon.xy``.
+    ``polygons.xy``. Of a single polygon (see `partition`), what is one number a polygon here is a float.
 
     Attributes
     ----------
-    polygon : Polygon
+    polygons : Polygons
+    verdict : (q,) object
+        For each input polygon '', or why it was not solved.
     edges : (k, 2) int
         Ends of the candidate edges.
+    owner : (k,) int
+        The polygon of each.
     edge_rows : (k, 2) int
         Input rows at these ends.
     length : (k,) float
@@ -141,49 +160,53 @@ class Partition(NamedTuple):
         Dilation in P before any cut; infinite where only a cut connects the ends.
     dilation : (k,) float or None
         Dilation in P and S, if it was asked for.
-    largest_dilation : float
+    largest_dilation : (p,) float
         The largest of these (1 if there are no candidates).
-    cost, lower_bound : float
+    cost, lower_bound : (p,) float
         What the selected edges cost (MinSize: their number), and what they must cost at least;
         for a polygon with holes, on the polygon carved open.
     role : (k,) int
         SELF (in S), LEAF or ROOT: on which side the witness lies.
     parts : Parts
         Its ``sides`` belong to the edges with role SELF, in their order.
-    lines : Lines or None
-        What became of the lines given as candidates.
+    lines, edge_line
+        See `Prepared`.
     """
 
-    polygon: Polygon
+    polygons: Polygons
+    verdict: np.ndarray
     edges: np.ndarray
+    owner: np.ndarray
     edge_rows: np.ndarray
     length: np.ndarray
     detour: np.ndarray
     dilation: np.ndarray | None
-    largest_dilation: float
-    cost: float
-    lower_bound: float
+    largest_dilation: np.ndarray | float
+    cost: np.ndarray | float
+    lower_bound: np.ndarray | float
     role: np.ndarray
     parts: Parts
-    lines: Lines | None
+    lines: list[Lines] | None
+    edge_line: np.ndarray | None
 
 
 def partition(
-    coords,
-    offsets,
-    tau=4.0,
-    min_length=0.0,
-    min_hole=0.0,
-    lines=None,
-    measure=None,
-    engine=None,
-    weigh=None,
-    max_gap=0.001,
-    time_limit=None,
-    all_dilations=False,
-    progress=None,
-    cancelled=None,
-):
+    coords: np.ndarray,
+    offsets: np.ndarray,
+    tau: float = 4.0,
+    *,
+    min_length: float = 0.0,
+    min_hole: float = 0.0,
+    lines: np.ndarray | None = None,
+    measure: metric.Metric | None = None,
+    engine: str | None = None,
+    weigh: Callable | None = None,
+    max_gap: float = 0.001,
+    time_limit: float | None = None,
+    all_dilations: bool = False,
+    progress: Callable | None = None,
+    cancelled: Callable | None = None,
+) -> Partition:
     """Partition a polygon at its bottlenecks with the cheapest cuts.
 
     Parameters
@@ -205,7 +228,7 @@ def partition(
     measure : metric.Metric, optional
         Default: `metric.planar()`.
     engine : str, optional
-        See `triangulation.diagonals`.
+        See `triangulation.triangulate`.
     weigh : callable, optional
         Weighs the candidates for MinWeight: called with the prepared polygon, it returns (k,)
         weights >= 0; ``lambda prepared: prepared.length`` gives MinLength. Default: MinSize.
@@ -232,28 +255,64 @@ def partition(
     -----
     O(n) after validation, triangulation and sorting, for polygons without holes. Optimal for these
     (Theorem 1), a heuristic with checked dilations for polygons with holes (section 4.3).
+
+    Examples
+    --------
+    >>> rooms = np.array([[0, 0], [10, 0], [10, 4.5], [12, 4.5], [12, 0], [22, 0], [22, 10], [12, 10],
+    ...                   [12, 5.5], [10, 5.5], [10, 10], [0, 10]])
+    >>> partition(rooms, [0, 12], tau=4).parts.area
+    array([102., 100.])
     """
     check = checker(progress, cancelled)
     prepared = prepare(
-        coords, offsets, min_length, min_hole, lines, measure, engine, stretch(check, 0.0, 0.65)
+        one_polygon(coords, offsets),
+        min_length=min_length,
+        min_hole=min_hole,
+        lines=None if lines is None else [lines],
+        measure=measure,
+        engine=engine,
+        check=stretch(check, 0.0, 0.65),
     )
-    weight = None if weigh is None else weigh(prepared)
+    if prepared.verdict[0]:
+        raise Unsolvable(prepared.verdict[0])
     selection = select(
-        prepared, tau, weight, max_gap, time_limit, stretch(check, 0.65, 0.9), False
+        prepared,
+        tau,
+        weight=None if weigh is None else weigh(prepared),
+        max_gap=max_gap,
+        time_limit=time_limit,
+        check=stretch(check, 0.65, 0.9),
+        with_dilation=False,
     )
-    result = finish(prepared, selection, all_dilations, stretch(check, 0.9, 1.0))
+    result = finish(prepared, selection, all_dilations=all_dilations, check=stretch(check, 0.9, 1.0))
     check(1.0)
-    return result
+    return result._replace(
+        largest_dilation=float(result.largest_dilation[0]),
+        cost=float(result.cost[0]),
+        lower_bound=float(result.lower_bound[0]),
+    )
 
 
 def prepare(
-    coords, offsets, min_length=0.0, min_hole=0.0, lines=None, measure=None, engine=None, check=None
-):
-    """Triangulate a polygon, connect its holes and carve it open.
+    rings: Rings,
+    *,
+    min_length: float | np.ndarray = 0.0,
+    min_hole: float | np.ndarray = 0.0,
+    lines: list | None = None,
+    measure: metric.Metric | None = None,
+    engine: str | None = None,
+    check: Callable = ignore,
+) -> Prepared:
+    """Triangulate polygons, connect their holes and carve them open.
 
     Parameters
     ----------
-    coords, offsets, min_length, min_hole, lines, measure, engine
+    rings : Rings
+    min_length, min_hole : float, or (q,) float
+        For all polygons or each; see `partition`.
+    lines : list of (l, 2, 2) float, optional
+        For each polygon the candidates to use; see `partition`.
+    measure, engine
         See `partition`.
     check : callable, optional
         Called with the share done; may raise `Cancelled`.
@@ -264,68 +323,95 @@ def prepare(
 
     Raises
     ------
-    Unsolvable, MissingEngine
+    MissingEngine
     """
     measure = measure or metric.planar()
-    check = check or ignore
     check(0.0)
-    polygon = from_rings(coords, offsets)
-    position = measure.positions(polygon.xy)
-    check(0.15)
-    component = components(polygon)
-    wanted, attachable = counted(polygon, component, measure.equal_area, min_hole)
-    if lines is None:
-        accepted = None
-        edges = from_triangulation(polygon, component, wanted, measure.conformal, engine)
-    else:
-        accepted = from_lines(polygon, lines)
-        edges = accepted.edges
-    check(0.8)
-
-    kept = attachable[edges].all(axis=1) if min_hole > 0.0 else np.ones(len(edges), dtype=bool)
-    length = measure.length(position, edges[:, 0], edges[:, 1])
-    tree = np.empty(0, dtype=np.int64)
-    if len(wanted) > 1:
-        joining = np.flatnonzero(kept)
-        tree = joining[
-            spanning_tree(polygon, component, edges[joining], length[joining], wanted)
-        ]
-    bounded = kept & (length * polygon.unit >= min_length)
-    needed = bounded | _mask(tree, len(edges))
-    if not needed.all():
-        edges, length, bounded = edges[needed], length[needed], bounded[needed]
-        tree = np.searchsorted(np.flatnonzero(needed), tree)
-        if accepted is not None:
-            accepted = accepted._replace(edge_line=accepted.edge_line[needed])
-    edge_length = measure.length(position, polygon.vertex, polygon.vertex[polygon.next_corner])
-    prepared = Prepared(
-        polygon=polygon,
-        measure=measure,
-        position=position,
-        component=component,
-        wanted=wanted,
-        edges=edges,
-        length=length,
-        detour=detours(polygon, edge_length, edges, length),
-        bounded=bounded,
-        edge_length=edge_length,
-        carved=None,
-        lines=accepted,
+    polygons, verdict = from_rings(rings)
+    min_length, min_hole = (
+        np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in (min_length, min_hole)
     )
-    return prepared._replace(carved=_carve(prepared, tree))
+    check(0.15)
+    component, wanted, attachable = _components(polygons, measure, min_hole)
+    if lines is None:
+        accepted = edge_line = None
+        edges, problem = from_triangulation(
+            polygons, component, wanted, measure=measure, engine=engine,
+            check=stretch(check, 0.15, 0.7),
+        )
+        verdict[polygons.number] = problem
+        if (problem != "").any():
+            polygons, edges, _ = _kept(polygons, problem == "", edges, None)
+            component, wanted, attachable = _components(polygons, measure, min_hole)
+    else:
+        accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
+    check(0.7)
+
+    while True:
+        owner = polygons.polygon_of_vertex[edges[:, 0]]
+        unit = polygons.unit[owner]
+        position = measure.positions(polygons.xy)
+        length = measure.length(position, edges[:, 0], edges[:, 1])
+        kept = attachable[edges].all(axis=1)
+        joining = np.flatnonzero(kept)
+        tree, apart = spanning_tree(polygons, component, edges[joining], length[joining], wanted)
+        tree = joining[tree]
+        length = length * unit
+        bounded = kept & (length >= min_length[polygons.number][owner])
+        needed = bounded | _mask(tree, len(edges))
+        if not needed.all():
+            edges, length, bounded, owner = (x[needed] for x in (edges, length, bounded, owner))
+            tree = np.searchsorted(np.flatnonzero(needed), tree)
+            edge_line = None if edge_line is None else edge_line[needed]
+        problem = _connection_problems(polygons, component, wanted, apart)
+        if not (problem != "").any():
+            edge_length = measure.length(
+                position, polygons.vertex, polygons.vertex[polygons.next_corner]
+            ) * np.repeat(polygons.unit, np.diff(polygons.corner_offsets))
+            prepared = Prepared(
+                polygons=polygons,
+                verdict=verdict,
+                measure=measure,
+                component=component,
+                wanted=wanted,
+                edges=edges,
+                owner=owner,
+                length=length,
+                detour=detours(polygons, edge_length, edges, length),
+                bounded=bounded,
+                edge_length=edge_length,
+                carved=None,
+                lines=accepted,
+                edge_line=edge_line,
+            )
+            carved, ambiguous = _carve(prepared, tree)
+            if not ambiguous.any():
+                return prepared._replace(carved=carved)
+            problem = np.where(ambiguous, AMBIGUOUS, "").astype(object)
+        # once more without the polygons whose rings cannot be connected
+        verdict[polygons.number] = problem
+        polygons, edges, edge_line = _kept(polygons, problem == "", edges, edge_line)
+        component, wanted, attachable = _components(polygons, measure, min_hole)
 
 
 @np.errstate(over="ignore")  # a tau of 1e300 is as good as none
 def select(
-    prepared, tau, weight=None, max_gap=0.001, time_limit=None, check=None, with_dilation=True
-):
+    prepared: Prepared,
+    tau: float | np.ndarray,
+    *,
+    weight: np.ndarray | None = None,
+    max_gap: float = 0.001,
+    time_limit: float | None = None,
+    check: Callable = ignore,
+    with_dilation: bool = True,
+) -> Selection:
     """Choose the edges to cut.
 
     Parameters
     ----------
     prepared : Prepared
-    tau : float
-        Largest dilation allowed.
+    tau : float, or (p,) float
+        Largest dilation allowed, for all polygons or each.
     weight : (k,) float, optional
         Weight of each edge for MinWeight; MinSize without.
     max_gap : float
@@ -341,42 +427,51 @@ def select(
     -------
     Selection
     """
-    check = check or ignore
     check(0.0)
-    carved = prepared.carved
+    carved, owner, count = prepared.carved, prepared.owner, len(prepared.polygons.unit)
+    tau = np.broadcast_to(np.asarray(tau, dtype=float), count)
+    of_node = np.append(np.arange(count), owner[carved.node_edge])
     search = stretch(check, 0.0, 0.8)
-    cut = min_size(carved.net, tau, search if weight is None else check) == SELF
-    lower_bound = float(np.count_nonzero(cut[1:]) + len(carved.tree))
+    cut = min_size(carved.net, tau[of_node], search if weight is None else check) == SELF
+    ones = np.ones(len(owner))
+    lower_bound = _sums(owner, ones, np.append(carved.tree, carved.node_edge[cut[count:]]), count)
     if weight is not None:
         # a MinSize solution to begin with: the result never costs more
         cut, lower_bound = min_weight(
             carved.net,
-            np.append(0.0, weight[carved.node_edge]),
-            tau,
-            max_gap,
-            cut,
-            time_limit,
-            search,
+            np.append(np.zeros(count), weight[carved.node_edge]),
+            tau[of_node],
+            max_gap=max_gap,
+            start=cut,
+            time_limit=time_limit,
+            check=search,
         )
-        lower_bound += float(weight[carved.tree].sum())
-    selected = np.sort(np.append(carved.tree, carved.node_edge[cut[1:]]))
+        lower_bound = lower_bound + _sums(owner, weight, carved.tree, count)
+    selected = np.sort(np.append(carved.tree, carved.node_edge[cut[count:]]))
     check(0.8)
-    if prepared.has_holes:
-        selected, carved = _without_redundant(prepared, carved, selected, tau, weight, check)
+    if prepared.with_holes.any():
+        price = prepared.length if weight is None else weight
+        selected = _without_redundant(prepared, selected, tau, price, check)
         if weight is not None:
             # which cuts turn out to be redundant is a matter of luck: never end up dearer
-            fewest = select(prepared, tau, check=check, with_dilation=False)
-            if weight[fewest.selected].sum() < weight[selected].sum():
-                selected, carved = fewest.selected, fewest.carved
+            fewest = select(prepared, tau, check=check, with_dilation=False).selected
+            dearer = _sums(owner, weight, fewest, count) < _sums(owner, weight, selected, count)
+            selected = np.sort(np.append(
+                selected[~dearer[owner[selected]]], fewest[dearer[owner[fewest]]]
+            ))
+        carved = _with_tree_in(prepared, selected)
     dilation = None
     if with_dilation:
         _, bound = _witnesses(prepared, carved, selected, check)
         dilation = _largest_dilation(prepared, selected, bound, check)
-    cost = float(len(selected) if weight is None else weight[selected].sum())
-    return Selection(selected, carved, cost, min(lower_bound, cost), dilation)
+    cost = _sums(owner, ones if weight is None else weight, selected, count)
+    return Selection(selected, carved, cost, np.minimum(lower_bound, cost), dilation)
 
 
-def finish(prepared, selection, all_dilations=False, check=None):
+def finish(
+    prepared: Prepared, selection: Selection, *, all_dilations: bool = False,
+    check: Callable = ignore,
+) -> Partition:
     """Make the parts of a solution.
 
     Parameters
@@ -392,22 +487,27 @@ def finish(prepared, selection, all_dilations=False, check=None):
     -------
     Partition
     """
-    check = check or ignore
-    polygon, carved = prepared.polygon, selection.carved
+    polygons, carved = prepared.polygons, selection.carved
     role, dilation = _witnesses(prepared, carved, selection.selected, check)
     largest = selection.dilation
     if largest is None:
         largest = _largest_dilation(prepared, selection.selected, dilation, check)
-    if prepared.has_holes:
-        dilation = true_dilations(
-            _graph(prepared, selection.selected), prepared.edges, prepared.length, dilation, check
-        ) if all_dilations else None
+    if not all_dilations:
+        dilation = None
+    elif prepared.with_holes.any():
+        some = np.flatnonzero(prepared.with_holes[prepared.owner])
+        dilation[some] = true_dilations(
+            _graph(prepared, selection.selected), prepared.edges[some], prepared.length[some],
+            dilation[some], check,
+        )
     check()
     return Partition(
-        polygon=polygon,
+        polygons=polygons,
+        verdict=prepared.verdict,
         edges=prepared.edges,
+        owner=prepared.owner,
         edge_rows=prepared.edge_rows,
-        length=prepared.length * polygon.unit,
+        length=prepared.length,
         detour=prepared.detour,
         dilation=dilation,
         largest_dilation=largest,
@@ -415,9 +515,10 @@ def finish(prepared, selection, all_dilations=False, check=None):
         lower_bound=selection.lower_bound,
         role=role,
         parts=build_parts(
-            polygon, carved.walk, selection.selected, carved.tree, prepared.measure.equal_area
+            polygons, carved.walk, selection.selected, carved.tree, prepared.measure.equal_area
         ),
         lines=prepared.lines,
+        edge_line=prepared.edge_line,
     )
 
 
@@ -427,74 +528,149 @@ def _mask(indices, size):
     return mask
 
 
+def _sums(owner, values, which, count):
+    """Sum of the values of some edges, for each polygon."""
+    return np.bincount(owner[which], weights=values[which], minlength=count)
+
+
+def _components(polygons, measure, min_hole):
+    """Component of each ring, which count, and where cuts may end."""
+    component = components(polygons)
+    return component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number])
+
+
+def _from_lines(polygons, lines, count):
+    """Lines of each input polygon, and the edges and their lines of the good ones."""
+    accepted = [None] * count
+    edges, edge_line = [np.empty((0, 2), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    first = polygons.vertex_offsets.tolist()
+    for p, number in enumerate(polygons.number.tolist()):
+        one, _ = polygon_stage.select(polygons, np.array([p]))
+        accepted[number] = found = from_lines(one, lines[number])
+        edges.append(found.edges + first[p])
+        edge_line.append(found.edge_line)
+    return accepted, np.concatenate(edges), np.concatenate(edge_line)
+
+
+def _kept(polygons, good, edges, edge_line):
+    """Some of the polygons, with their edges and the lines of these."""
+    polygons, vertex = polygon_stage.select(polygons, np.flatnonzero(good))
+    number = np.full(max(edges.max(initial=-1), vertex.max(initial=-1)) + 1, -1)
+    number[vertex] = np.arange(len(vertex))
+    kept = number[edges[:, 0]] >= 0
+    return polygons, number[edges[kept]], None if edge_line is None else edge_line[kept]
+
+
+def _connection_problems(polygons, component, wanted, apart):
+    """For each polygon '', or which holes its candidates do not connect."""
+    problem = np.full(len(apart), "", dtype=object)
+    for p in np.flatnonzero(apart).tolist():
+        own = np.unique(component[slice(*polygons.polygon_offsets[p:p + 2])])
+        holes = np.count_nonzero(wanted[own]) - 1
+        problem[p] = f"the candidate diagonals do not connect {apart[p]} of {holes} holes to the rest"
+    return problem
+
+
 def _carve(prepared, tree):
-    polygon, edges, measure = prepared.polygon, prepared.edges, prepared.measure
-    walk = carve(polygon, prepared.component, edges, tree, prepared.wanted)
+    """The carved polygons, and where the rings cannot be connected."""
+    polygons, edges, length = prepared.polygons, prepared.edges, prepared.length
+    walk, ambiguous = carve(polygons, prepared.component, edges, tree, prepared.wanted)
+    if ambiguous.any():
+        return None, ambiguous
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    steps = prepared.edge_length
-    if len(polygon.offsets) > 2:
-        at = polygon.vertex[walk.corner]
-        steps = measure.length(prepared.position, at, np.roll(at, -1))
-    dual = build_tree(len(steps), walk.i[free], walk.j[free])
-    return Carved(tree, free, walk, network(dual, steps[-1], steps[:-1], prepared.length[free]))
+    step = prepared.edge_length[walk.edge]
+    along_tree = walk.edge < 0
+    step[along_tree] = length[tree[-1 - walk.edge[along_tree]]]
+    dual = build_tree(walk.offsets, walk.i[free], walk.j[free])
+    return Carved(tree, free, walk, network(dual, walk.offsets, step, length[free])), ambiguous
 
 
 def _graph(prepared, selected):
+    """P and S of the polygons with holes."""
+    some = selected[prepared.with_holes[prepared.owner[selected]]]
     return boundary_graph(
-        prepared.polygon, prepared.edge_length, prepared.edges, prepared.length, selected
+        prepared.polygons, _positions(prepared), prepared.edge_length, prepared.edges,
+        prepared.length, some,
     )
 
 
-def _without_redundant(prepared, carved, selected, tau, weight, check):
+def _positions(prepared):
+    """Where the vertices are, in the unit of the lengths."""
+    polygons = prepared.polygons
+    unit = polygons.unit[polygons.polygon_of_vertex]
+    return prepared.measure.positions(polygons.xy) * unit[:, None]
+
+
+def _without_redundant(prepared, selected, tau, price, check):
     """Use what the carved polygon cannot know: a path may pass a hole on its other side."""
-    selected = drop_redundant(
+    holed = prepared.with_holes[prepared.owner]
+    some = selected[holed[selected]]
+    role, bound = _witnesses(prepared, prepared.carved, selected, check)
+    stay = drop_redundant(
         _graph(prepared, selected),
         prepared.edges,
         prepared.length,
-        selected,
-        prepared.length if weight is None else weight,
-        prepared.bounded,
-        tau,
+        some,
+        price,
+        prepared.bounded & holed,
+        tau[prepared.owner],
+        prepared.carved,
+        role,
+        bound,
         check,
     )
-    if not np.isin(carved.tree, selected).all():
-        joined = spanning_tree(
-            prepared.polygon,
-            prepared.component,
-            prepared.edges[selected],
-            prepared.length[selected],
-            prepared.wanted,
-        )
-        carved = _carve(prepared, selected[joined])
-    return selected, carved
+    return np.sort(np.append(selected[~holed[selected]], stay))
+
+
+def _with_tree_in(prepared, selected):
+    """The polygons carved open along a T that is part of S."""
+    carved = prepared.carved
+    if np.isin(carved.tree, selected).all():
+        return carved
+    # the shortest tree within S; where T stayed, it is T
+    joined, _ = spanning_tree(
+        prepared.polygons,
+        prepared.component,
+        prepared.edges[selected],
+        prepared.length[selected],
+        prepared.wanted,
+    )
+    return _carve(prepared, selected[joined])[0]
 
 
 def _witnesses(prepared, carved, selected, check):
     """Role and dilation of each edge, the shortest path in P_T and S being the witness."""
-    length, edge = prepared.length, carved.node_edge
+    length, edge, roots = prepared.length, carved.node_edge, carved.net.tree.roots
     role = np.full(len(length), SELF, dtype=np.int8)
     dilation = np.ones(len(length))
-    cut = np.append(True, _mask(selected, len(length))[edge])
+    cut = np.append(np.ones(roots, dtype=bool), _mask(selected, len(length))[edge])
     below, above = witness_lengths(carved.net, cut, check)
     side = np.where(below <= above, LEAF, ROOT).astype(np.int8)
     side[cut] = SELF
     path = np.where(cut, carved.net.length, np.minimum(below, above))
-    role[edge] = side[1:]
-    dilation[edge] = at_least_one(path[1:] / carved.net.length[1:])
+    role[edge] = side[roots:]
+    dilation[edge] = at_least_one(path[roots:] / carved.net.length[roots:])
     return role, dilation
 
 
 def _largest_dilation(prepared, selected, bound, check):
     """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
-    bounded = prepared.bounded
-    if not prepared.has_holes:
-        return float(bound[bounded].max(initial=1.0))
-    return float(
-        largest_dilation(
+    largest = np.ones(len(prepared.polygons.unit))
+    exact = np.flatnonzero(prepared.bounded & ~prepared.with_holes[prepared.owner])
+    if len(exact):
+        owner = prepared.owner[exact]
+        first = np.flatnonzero(np.diff(owner, prepend=-1))
+        largest[owner[first]] = np.maximum.reduceat(bound[exact], first)
+    some = np.flatnonzero(prepared.bounded & prepared.with_holes[prepared.owner])
+    if len(some):
+        found = largest_dilation(
             _graph(prepared, selected),
-            prepared.edges[bounded],
-            prepared.length[bounded],
-            bound[bounded],
+            prepared.edges[some],
+            prepared.length[some],
+            bound[some],
+            prepared.owner[some],
+            len(largest),
             check,
         )
-    )
+        largest = np.maximum(largest, found)
+    return largest

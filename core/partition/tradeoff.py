@@ -4,17 +4,24 @@ The least cost is a falling step function of tau (section 2 of the paper). A sol
 has a dilation d <= tau, and every bound in [d, tau] has the same least cost; so the search jumps from
 achieved dilation to achieved dilation, and ends when the next trial, just below the best one, costs
 too much: its answer is exact, not an interval.
+
+A search is a generator that asks for a tau and is sent the solution. So those of many features go on
+side by side (`together`), each step being one solution of the forest of all their polygons.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Callable, Generator, NamedTuple
 
+import numpy as np
+
+from ..progress import ignore
 from .min_size import SLACK
-from .solve import select
+from .solve import Prepared, select
 
-__all__ = ["Joint", "OverBudget", "Steps", "joint_solver", "paying_steps", "smallest_dilation", "trade_off"]
+__all__ = ["Joint", "OverBudget", "TradeOff", "joint_solver", "paying_steps", "smallest_dilation", "together",
+           "trade_off"]
 
 # Bounds nearer to each other than this count as one: `objective` compares with SLACK.
 NEXT = 1.0 - 8.0 * SLACK
@@ -22,18 +29,19 @@ MISSES = 4  # trials in vain before asking whether the best solution is the last
 
 
 class Joint(NamedTuple):
-    """Solutions of several polygons for the same tau.
+    """A solution of several polygons for the same tau.
 
     Attributes
     ----------
-    selections : list of Selection
+    tau : float
+        The bound that was asked for.
     cost, lower_bound : float
         Sums over the polygons.
     dilation : float
         The largest of a candidate.
     """
 
-    selections: list
+    tau: float
     cost: float
     lower_bound: float
     dilation: float
@@ -51,7 +59,7 @@ class OverBudget(NamedTuple):
     least: float
 
 
-class Steps(NamedTuple):
+class TradeOff(NamedTuple):
     """A trade-off curve.
 
     Attributes
@@ -66,48 +74,83 @@ class Steps(NamedTuple):
     complete: bool
 
 
-def joint_solver(prepared, weights, max_gap=0.0, time_limit=None, check=None):
-    """Return the function that solves several polygons for a given tau.
+def joint_solver(
+    prepared: Prepared, group: np.ndarray, count: int, *, weight: np.ndarray | None = None,
+    max_gap: float = 0.0, time_limit: float | None = None, check: Callable = ignore,
+) -> Callable:
+    """Return the function that solves groups of polygons, each for a tau of its own.
 
     Parameters
     ----------
-    prepared : list of Prepared
-        The polygons of a feature.
-    weights : list of (k,) float or None
-        Weights of their candidates; None for MinSize.
-    max_gap, time_limit : float
-        See `partition.select`.
-    check : callable, optional
-        Called now and then; may raise `Cancelled`.
+    prepared : Prepared
+    group : (p,) int
+        The group (the feature, say) of each polygon; negative: none.
+    count : int
+        The number of groups.
+    weight : (k,) float, optional
+        Weights of the candidates; MinSize without.
+    max_gap, time_limit, check
+        See `solve.select`.
 
     Returns
     -------
     callable
-        ``tau`` to a Joint.
+        (count,) tau to a list of Joint.
     """
+    own = np.flatnonzero(group >= 0)
 
     def solve(tau):
-        selections = [
-            select(polygon, tau, weight, max_gap, time_limit, check)
-            for polygon, weight in zip(prepared, weights)
-        ]
-        return Joint(
-            selections,
-            math.fsum(selection.cost for selection in selections),
-            math.fsum(selection.lower_bound for selection in selections),
-            max(selection.dilation for selection in selections),
+        bound = np.where(group >= 0, np.asarray(tau)[group], np.inf)
+        selection = select(
+            prepared, bound, weight=weight, max_gap=max_gap, time_limit=time_limit, check=check
         )
+        cost, lower_bound = (
+            np.bincount(group[own], weights=x[own], minlength=count)
+            for x in (selection.cost, selection.lower_bound)
+        )
+        dilation = np.ones(count)
+        np.maximum.at(dilation, group[own], selection.dilation[own])
+        return [Joint(*row) for row in zip(
+            tau, cost.tolist(), lower_bound.tolist(), dilation.tolist()
+        )]
 
     return solve
 
 
-def smallest_dilation(solve, budget):
-    """Solve the dual problem: the smallest dilation within a budget.
+def together(searches: list, solve: Callable) -> list:
+    """Run the searches of groups of polygons side by side.
 
     Parameters
     ----------
+    searches : list of generator
+        One a group, see `smallest_dilation` and `trade_off`.
     solve : callable
-        ``tau`` to a Joint; see `joint_solver`.
+        See `joint_solver`.
+
+    Returns
+    -------
+    list
+        What each search returns.
+    """
+    results, tau = [None] * len(searches), [next(search) for search in searches]
+    active = range(len(searches))
+    while active:
+        solutions, going = solve(tau), []
+        for k in active:
+            try:
+                tau[k] = searches[k].send(solutions[k])
+                going.append(k)
+            except StopIteration as end:
+                results[k], tau[k] = end.value, math.inf
+        active = going
+    return results
+
+
+def smallest_dilation(budget: float) -> Generator:
+    """Search for the answer of the dual problem: the smallest dilation within a budget.
+
+    Parameters
+    ----------
     budget : float
         Largest cost.
 
@@ -115,29 +158,27 @@ def smallest_dilation(solve, budget):
     -------
     best : Joint or OverBudget
         Its ``dilation`` is the answer: no smaller one is achievable within the budget, if every
-        solution of `solve` is optimal. That is so for polygons without holes, with MinSize or
-        solutions proven optimal.
+        solution is optimal. That is so for polygons without holes, with MinSize or solutions proven
+        optimal.
     proven : bool
         Whether the lower bounds prove it (for polygons carved open along their holes).
 
     Notes
     -----
-    Measured: 8 to 30 calls of `solve`.
+    Measured: 8 to 30 solutions.
     """
-    best = solve(math.inf)
+    best = yield math.inf
     if _exceeds(best.cost, budget):
         return OverBudget(best.cost), True
-    best, beyond = _tighten(solve, best, 1.0, budget)
+    best, beyond = yield from _tighten(best, 1.0, budget)
     return best, beyond is None or _exceeds(beyond.lower_bound, budget)
 
 
-def trade_off(solve, low, high, most=None):
+def trade_off(low: float, high: float, most: int | None = None) -> Generator:
     """Follow the step function cost(tau) from a large tau down to a small one.
 
     Parameters
     ----------
-    solve : callable
-        See `smallest_dilation`.
     low, high : float
         Bounds of tau; high may be infinite.
     most : int, optional
@@ -145,21 +186,21 @@ def trade_off(solve, low, high, most=None):
 
     Returns
     -------
-    Steps
+    TradeOff
     """
-    solutions, following = [], solve(high)
-    while following is not None:
+    solutions, after = [], (yield high)
+    while after is not None:
         if len(solutions) == most:
-            return Steps(solutions, False)
-        best, following = _tighten(solve, following, low, following.cost)
+            return TradeOff(solutions, False)
+        best, after = yield from _tighten(after, low, after.cost)
         # costs of MinWeight are the same up to rounding: a later, better solution may cost no more
         if solutions and not _exceeds(best.cost, solutions[-1].cost):
             solutions.pop()
         solutions.append(best)
-    return Steps(solutions, True)
+    return TradeOff(solutions, True)
 
 
-def _tighten(solve, best, low, budget):
+def _tighten(best, low, budget):
     """The least dilation within a budget, and the next solution beyond it.
 
     The second is None where the dilation cannot or need not become smaller.
@@ -170,7 +211,7 @@ def _tighten(solve, best, low, budget):
         trial = best.dilation * NEXT
         if trial < floor:
             return best, None
-        probe = solve(trial)
+        probe = yield trial
         if _exceeds(probe.cost, budget):
             return best, probe
         if not probe.dilation < best.dilation:  # no solution that doubles could tell apart
@@ -180,7 +221,7 @@ def _tighten(solve, best, low, budget):
             trial = math.sqrt(low * best.dilation)
             if not low < trial < best.dilation * NEXT:
                 break
-            probe = solve(trial)
+            probe = yield trial
             if _exceeds(probe.cost, budget):
                 low, misses = trial, misses + 1
             else:
@@ -191,7 +232,7 @@ def _exceeds(cost, budget):
     return cost > budget * (1.0 + SLACK)
 
 
-def paying_steps(tau, cost, most=5):
+def paying_steps(tau: list, cost: list, most: int = 5) -> list:
     """Find the steps that buy most: the largest fall of the detour for what they cost more.
 
     Parameters

@@ -1,19 +1,27 @@
-"""Second stage: the diagonals of a constrained Delaunay triangulation.
+"""Second stage: the diagonals of constrained Delaunay triangulations.
 
-Two engines: ``triangle`` (Shewchuk's Triangle) where it is installed, else shapely's. Triangle
-crashes or hangs on some invalid input, so only polygons that have passed `polygon.from_rings` may
-come here, and every answer is checked.
+By the first of the `engines` that is installed, and by the next where it fails. Some crash or hang on
+invalid input, so only polygons that have passed `polygon.from_rings` may come here, and every answer is
+checked. The engine's own call is the only loop over polygons.
 """
 
 from __future__ import annotations
 
+from typing import Callable
+
 import numpy as np
 import shapely
 
-from ..errors import MissingEngine, Unsolvable
-from .polygon import is_valid, ring_polygon
+from ..errors import MissingEngine
+from ..progress import ignore
+from ..rings import shapes, take
+from . import engines
+from .engines import engine_name
+from .polygon import Polygons, is_valid
 
-__all__ = ["diagonals", "engine_name", "missing_packages", "triangles"]
+__all__ = ["diagonals", "engine_name", "missing_packages", "triangulate"]
+
+TOO_FINE = "the polygon could not be triangulated (too fine for double precision)"
 
 
 def missing_packages(shapely_module=shapely):
@@ -22,166 +30,177 @@ def missing_packages(shapely_module=shapely):
     if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too
         return f"shapely 2 is needed, and {version} is installed"
     if not engine_name():
-        return f"the package triangle, or shapely 2.1 instead of {version}, is needed"
+        only = engines.only_engine()
+        if only:
+            return f"the environment variable {engines.VARIABLE} asks for {only!r}, which is not installed"
+        return f"the package pythoncdt or triangle, or shapely 2.1 instead of {version}, is needed"
     return ""
 
 
-def engine_name():
-    """Return 'triangle', 'shapely', or '' where no triangulation is available."""
-    if _triangle():
-        return "triangle"
-    return "shapely" if hasattr(shapely, "constrained_delaunay_triangles") else ""
-
-
-def diagonals(polygon, conformal=None, engine=None):
-    """Return the inner edges of a constrained Delaunay triangulation of a polygon.
+def triangulate(
+    polygons: Polygons, *, conformal: Callable | None = None, engine: str | None = None,
+    check: Callable = ignore,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return constrained Delaunay triangulations.
 
     Parameters
     ----------
-    polygon : Polygon
+    polygons : Polygons
     conformal : callable, optional
         Map of coordinates to the plane whose circles count (see `metric.Metric`). Where the
         triangulation of that plane is none of the polygon's own plane, because straight edges
         bend under the map, the polygon's own plane is used.
-    engine : {'triangle', 'shapely'}, optional
-        Default: the first that is installed.
+    engine : {'triangle', 'pythoncdt', 'shapely'}, optional
+        The engine to begin with. Default: the first that is installed.
+    check : callable, optional
+        Called now and then with the share done; may raise `Cancelled`.
 
     Returns
     -------
-    (m, 2) int
-        Vertex indices u < v of the n + 3 (h - 1) diagonals, u ascending, then v descending.
+    triangles : (t, 3) int
+        Vertices, counter-clockwise; those of a polygon stand together, in the order of the polygons.
+    verdict : (p,) object
+        For each polygon '', or why it has no triangles.
 
     Raises
     ------
     MissingEngine
         If no engine is installed.
-    Unsolvable
-        If no engine returns a triangulation of this polygon.
 
     Notes
     -----
-    O(n log n) (Triangle's divide and conquer), and a sort.
+    O(n log n) (Triangle's divide and conquer).
     """
-    return _triangulate(polygon, conformal, engine)[1]
-
-
-def triangles(polygon, engine=None):
-    """Return the triangles themselves, as an (m, 3) array of vertex indices; see `diagonals`."""
-    return _triangulate(polygon, None, engine)[0]
-
-
-def _triangulate(polygon, conformal, engine):
-    """Triangles and their inner edges."""
-    engine = engine or engine_name()
-    if not engine:
+    names = engines.engine_names()
+    if engine:
+        rank = engines.ENGINES.index
+        names = [engine] + [name for name in names if rank(name) > rank(engine)]
+    if not names:
         raise MissingEngine(missing_packages())
-    engines = [engine] + ["shapely"] * (
-        engine == "triangle" and hasattr(shapely, "constrained_delaunay_triangles")
-    )
-    planes = [polygon.xy]
+    count = len(polygons.unit)
+    planes = []
     if conformal is not None:
-        bent = _bent(polygon, conformal)
-        if bent is not None:
-            planes.insert(0, bent)
-    for plane in planes:
-        for name in engines:
-            found = (_by_triangle if name == "triangle" else _by_shapely)(polygon, plane)
-            edges = _checked_edges(polygon, found)
-            if edges is not None and (plane is polygon.xy or _same_sides(polygon.xy, found)):
-                return found, edges
-    raise Unsolvable("the polygon could not be triangulated (too fine for double precision)")
+        bent, survives = _bent(polygons, conformal)
+        planes.append((bent, survives))
+    planes.append((polygons.xy, np.ones(count, dtype=bool)))
+    found = [None] * count
+    waiting = np.ones(count, dtype=bool)
+    for plane, usable in planes:
+        for name in names:
+            which = np.flatnonzero(waiting & usable)
+            if not len(which):
+                continue
+            own = _by_engine(name, polygons, plane, which, check)
+            good = _are_triangulations(polygons, which, own)
+            if plane is not polygons.xy:
+                good &= _same_sides(polygons.xy, own)
+            for k in np.flatnonzero(good).tolist():
+                found[which[k]] = own[k]
+            waiting[which[good]] = False
+    verdict = np.where(waiting, TOO_FINE, "").astype(object)
+    found = [one for one in found if one is not None]
+    return np.concatenate(found) if found else np.empty((0, 3), dtype=np.int64), verdict
 
 
-def _triangle():
-    try:
-        import triangle
-    except ImportError:
-        return None
-    return triangle
+def diagonals(polygons: Polygons, triangles: np.ndarray) -> np.ndarray:
+    """Return the inner edges of triangulations.
 
-
-def _bent(polygon, conformal):
-    """The vertices in the conformal plane, or None where the polygon does not survive the map."""
-    with np.errstate(all="ignore"):
-        plane = conformal(polygon.xy * polygon.unit)
-    # a pole, or no degrees at all; or so small that GEOS fails
-    if not 1e-50 < np.abs(plane).max() < 1e50:
-        return None
-    points = np.sort(np.ascontiguousarray(plane).view(np.complex128).ravel())
-    if (points[1:] == points[:-1]).any():  # vertices that rounding makes one crash Triangle
-        return None
-    # Triangle may hang on holes that overlap the shell, but not on a single ring
-    if len(polygon.offsets) > 2 and not is_valid(ring_polygon(polygon, plane)):
-        return None
-    return plane
-
-
-def _by_triangle(polygon, plane):
-    nothing = np.empty((0, 3), dtype=np.int32)
-    magnitude = np.abs(plane)
-    if magnitude.min(where=magnitude > 0.0, initial=1.0) < 1e-70:
-        return nothing  # its arithmetic multiplies four of them: underflow, and a crash
-    segments = np.column_stack((polygon.vertex, polygon.vertex[polygon.next_corner]))
-    graph = {"vertices": plane, "segments": segments.astype(np.int32)}
-    if len(polygon.offsets) > 2:
-        shape = ring_polygon(polygon, plane)
-        holes = shapely.polygons(shapely.get_rings(shape)[1:])
-        graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
-    # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
-    try:
-        return _triangle().triangulate(graph, "pQBPN").get("triangles", nothing)
-    except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
-        return nothing
-
-
-def _by_shapely(polygon, plane):
-    # GEOS joins holes from the left; where they touch, it fails now and then, but not mirrored
-    for flip in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
-        mirrored = plane * flip + 0.0
-        shape = ring_polygon(polygon, mirrored)
-        try:
-            triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(shape))
-        except shapely.errors.GEOSException:
-            continue
-        corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3].reshape(-1, 2)
-        # as complex numbers, points have numpy's lexicographic order
-        key, corners = (np.ascontiguousarray(x).view(np.complex128).ravel()
-                        for x in (mirrored, corners))
-        order = np.argsort(key)
-        place = np.searchsorted(key, corners, sorter=order)
-        triangles = order[np.minimum(place, len(key) - 1)].reshape(-1, 3)
-        return triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1]
-    return np.empty((0, 3), dtype=np.int64)
-
-
-def _checked_edges(polygon, triangles):
-    """The diagonals of the triangles, or None if these are no triangulation of the polygon."""
-    n, corners = len(polygon.xy), len(polygon.vertex)
-    holes = len(polygon.offsets) - 2 - (corners - n)  # a hole that touches is part of a ring
-    if len(triangles) != corners + 2 * holes - 2 or triangles.max() >= n:
-        return None
-    a = triangles.ravel()
-    b = triangles[:, [1, 2, 0]].ravel()
-    vertex, following = polygon.vertex, polygon.vertex[polygon.next_corner]
-    next_vertex = np.empty(n, dtype=a.dtype)
-    next_vertex[vertex] = following
-    boundary = next_vertex[a] == b
-    if corners > n:  # rings touch: some vertices have several ring edges
-        boundary |= np.isin(a.astype(np.int64) * n + b, vertex * n + following)
-    if np.count_nonzero(boundary) != corners:
-        return None
+    Returns
+    -------
+    (m, 2) int
+        Vertices u < v of the n + 3 (h - 1) diagonals of each polygon, u ascending, then v descending.
+    """
+    n = len(polygons.xy)
+    a, b, boundary = _half_edges(polygons, triangles)
     # an inner edge borders two triangles, and runs upwards in one of them
     inner = np.flatnonzero((a < b) & ~boundary)
-    if 2 * len(inner) + corners != len(a):
-        return None
     a, b = a[inner].astype(np.int64), b[inner].astype(np.int64)
     order = np.argsort(a * n + (n - 1 - b))
     return np.column_stack((a[order], b[order]))
 
 
-def _same_sides(xy, triangles):
-    """Whether all triangles have their orientation in this plane too (so they tile it)."""
-    p, q, r = (xy[triangles[:, k]] for k in range(3))
+def _bent(polygons, conformal):
+    """The vertices in the conformal plane, and which polygons survive the map."""
+    unit = polygons.unit[polygons.polygon_of_vertex]
+    with np.errstate(all="ignore"):
+        plane = conformal(polygons.xy * unit[:, None])
+    # a pole, or no degrees at all; or so small that GEOS fails
+    bounds = polygons.vertex_offsets[:-1]
+    with np.errstate(invalid="ignore"):
+        largest = np.maximum.reduceat(np.abs(plane).max(axis=1), bounds)
+        survives = (largest > 1e-50) & (largest < 1e50)
+    # vertices that rounding makes one crash Triangle
+    polygon = polygons.polygon_of_vertex
+    order = np.lexsort((plane[:, 1], plane[:, 0], polygon))
+    same = (plane[order][1:] == plane[order][:-1]).all(axis=1)
+    same &= polygon[order][1:] == polygon[order][:-1]
+    survives[polygon[order][1:][same]] = False
+    # Triangle may hang on holes that overlap the shell, but not on a single ring
+    with_holes = np.flatnonzero(survives & (np.diff(polygons.polygon_offsets) > 1))
+    if len(with_holes):
+        ring, polygon_offsets = take(polygons.polygon_offsets, with_holes)
+        corner, offsets = take(polygons.offsets, ring)
+        valid = is_valid(shapes(plane[polygons.vertex[corner]], offsets, polygon_offsets))
+        survives[with_holes[~valid]] = False
+    return plane, survives
+
+
+def _by_engine(name, polygons, plane, which, check):
+    """Triangles of polygons in a plane, by an engine; empty where it fails."""
+    vertex, vertex_offsets = take(polygons.vertex_offsets, which)
+    corner, corner_offsets = take(polygons.corner_offsets, which)
+    number = np.empty(len(plane), dtype=np.int64)
+    number[vertex] = np.arange(len(vertex))
+    ends = polygons.vertex[np.column_stack((corner, polygons.next_corner[corner]))]
+    triangles, offsets = engines.triangulate(
+        name, plane[vertex], vertex_offsets, number[ends], corner_offsets, check=check
+    )
+    return np.split(vertex[triangles], offsets[1:-1])
+
+
+def _half_edges(polygons, triangles):
+    """Tails and heads of the sides of triangles, and which are edges of the polygons."""
+    n = len(polygons.xy)
+    a, b = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    vertex, after = polygons.vertex, polygons.vertex[polygons.next_corner]
+    next_vertex = np.full(n, -1, dtype=a.dtype)
+    next_vertex[vertex] = after
+    boundary = next_vertex[a] == b
+    if len(vertex) > n:  # rings touch: some vertices have several ring edges
+        several = np.bincount(vertex, minlength=n) > 1
+        k = np.flatnonzero(several[a] & ~boundary)
+        mine = several[vertex]
+        boundary[k] = np.isin(a[k].astype(np.int64) * n + b[k], vertex[mine] * n + after[mine])
+    return a, b, boundary
+
+
+def _are_triangulations(polygons, which, found):
+    """Whether the triangles found for some polygons are triangulations of these."""
+    size = np.array([len(one) for one in found])
+    corners = np.diff(polygons.corner_offsets)[which]
+    touches = corners - np.diff(polygons.vertex_offsets)[which]
+    holes = np.diff(polygons.polygon_offsets)[which] - 1 - touches  # one that touches is part of a ring
+    good = size == corners + 2 * holes - 2
+    triangles = np.concatenate(found)
+    low = np.repeat(polygons.vertex_offsets[which], size)
+    high = np.repeat(polygons.vertex_offsets[which + 1], size)
+    owner = np.repeat(np.arange(len(which)), size)
+    inside = (triangles >= low[:, None]).all(axis=1) & (triangles < high[:, None]).all(axis=1)
+    good[owner[~inside]] = False
+    triangles[~inside] = 0
+    a, b, boundary = _half_edges(polygons, triangles)
+    half_owner = np.repeat(owner, 3)
+    good &= np.bincount(half_owner[boundary], minlength=len(which)) == corners
+    inner = np.bincount(half_owner[(a < b) & ~boundary], minlength=len(which))
+    return good & (2 * inner + corners == 3 * size)
+
+
+def _same_sides(xy, found):
+    """Whether all triangles of each polygon have their orientation in this plane too (so they tile it)."""
+    size = np.array([len(one) for one in found])
+    p, q, r = (xy[k] for k in np.concatenate(found).T)
     left = (p[:, 0] - r[:, 0]) * (q[:, 1] - r[:, 1])
     right = (p[:, 1] - r[:, 1]) * (q[:, 0] - r[:, 0])
-    return bool((left - right > 4e-16 * (np.abs(left) + np.abs(right))).all())
+    turned = ~(left - right > 4e-16 * (np.abs(left) + np.abs(right)))
+    return np.bincount(np.repeat(np.arange(len(found)), size), weights=turned,
+                       minlength=len(found)) == 0

@@ -4,6 +4,7 @@ import builtins
 import configparser
 import gc
 import html
+import sys
 from pathlib import Path
 
 import pytest
@@ -202,10 +203,14 @@ def test_parts_have_eight_colours_whatever_their_fields(qgis_app):
         assert len(colours) == 8
 
 
-@pytest.mark.parametrize("absent", [{"shapely"}, {"triangle"}, {"shapely", "triangle"}])
+@pytest.mark.parametrize("absent", [
+    {"shapely"}, {"triangle"}, {"triangle", "pythoncdt"}, {"shapely", "triangle", "pythoncdt"}
+])
 def test_missing_packages(provider, run, layer, monkeypatch, absent):
     """The tools stay listed; running one says which command installs what."""
-    from isthmus.algorithms import base
+    from isthmus.algorithms import dependencies
+
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
 
     real = builtins.__import__
 
@@ -223,15 +228,72 @@ def test_missing_packages(provider, run, layer, monkeypatch, absent):
     if "shapely" not in absent:
         assert run("isthmus:partition", parameters)["PART_COUNT"] == 1
         return
-    problem = base.dependency_problem()
+    problem = dependencies.dependency_problem()
     assert "shapely" in problem and "pip install" in problem and "numpy==" in problem
     ok, message = tool.canExecute()
     assert not ok and message == problem
     assert tool.checkParameterValues(parameters, QgsProcessingContext()) == (False, problem)
 
 
+@pytest.mark.parametrize("version, machine, wheels", [
+    ((3, 9), "win-amd64", ["triangle"]),  # QGIS 3.22 on Windows
+    ((3, 12), "win-amd64", ["pythoncdt", "triangle"]),
+    ((3, 11), "linux-x86_64", ["pythoncdt", "triangle"]),
+    ((3, 11), "linux-aarch64", ["pythoncdt"]),
+    ((3, 14), "linux-x86_64", ["pythoncdt"]),
+    ((3, 14), "linux-aarch64", ["pythoncdt"]),
+    ((3, 9), "macosx-x86_64", []),
+    ((3, 9), "linux-aarch64", []),
+    ((3, 12), "win-arm64", []),
+])
+def test_the_engine_to_install_is_one_that_has_a_wheel(monkeypatch, version, machine, wheels):
+    """The free one first; and the licence is said of the one that is not."""
+    from isthmus.algorithms import dependencies
+
+    assert dependencies.engines_with_wheels(version, machine) == wheels
+    monkeypatch.setattr(dependencies, "engines_with_wheels", lambda: wheels)
+    hint = dependencies.install_hint("1.24.2")
+    assert [name for name in ("pythoncdt", "triangle") if f'" {name} "numpy==1.24.2"' in hint] == wheels[:1]
+    assert ("commercial" in hint) == ("triangle" in hint) == (wheels == ["triangle"])
+
+
+def test_requirements_ask_for_the_same_wheels():
+    """What `./run` installs here is what the messages would name."""
+    from isthmus.algorithms import dependencies
+    from packaging.requirements import Requirement
+
+    lines = (line.split("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines())
+    wanted = {r.name: r.marker for r in map(Requirement, filter(None, lines))}
+    machines = {
+        "linux-x86_64": ("linux", "x86_64"), "linux-aarch64": ("linux", "aarch64"), "win-amd64": ("win32", "AMD64"),
+        "win-arm64": ("win32", "ARM64"), "macosx-x86_64": ("darwin", "x86_64"), "macosx-arm64": ("darwin", "arm64"),
+    }
+    for minor in range(9, 18):
+        for machine, (system, processor) in machines.items():
+            place = {"python_version": f"3.{minor}", "sys_platform": system, "platform_machine": processor,
+                     "implementation_name": "cpython"}
+            wheels = dependencies.engines_with_wheels((3, minor), machine)
+            assert [name for name in ("pythoncdt", "triangle") if wanted[name].evaluate(place)] == wheels
+
+
+def test_the_note_on_a_slow_engine(monkeypatch):
+    """Only where shapely is not a choice; and only a package that can be installed is named."""
+    from isthmus.algorithms import dependencies
+
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
+    for name in ("triangle", "pythoncdt"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for wheels, said in ((["pythoncdt", "triangle"], "pythoncdt is faster"), (["triangle"], "commercially"), ([], "slower.")):
+        monkeypatch.setattr(dependencies, "engines_with_wheels", lambda wheels=wheels: wheels)
+        assert said in dependencies.slow_engine_note()
+    monkeypatch.setenv("ISTHMUS_ENGINE", "shapely")
+    assert dependencies.slow_engine_note() == ""
+
+
 def test_an_old_shapely_is_told_apart(monkeypatch):
     from isthmus.core.partition import triangulation
+
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
 
     class Shapely1:
         __version__ = "1.8.5"

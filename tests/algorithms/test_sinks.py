@@ -64,11 +64,17 @@ def test_a_full_disk_is_said_and_leaves_nothing(run, source, tmp_path, ending, r
     assert layers_of(tmp_path / f"parts.{ending}") == {"parts": 3 * MANY}
 
 
+def reports_of(run, source, whole):
+    """How often a run reports its progress; the last ones while it writes."""
+    partition(run, source, whole)
+    return len(whole.shares)
+
+
 @pytest.mark.parametrize("ending", ["gpkg", "shp", "geojson"])
 def test_a_cancelled_run_leaves_no_file_that_looks_complete(
     run, source, tmp_path, cancelling, ending
 ):
-    feedback = cancelling(cancel_after=MANY // 2)
+    feedback = cancelling(reports_of(run, source, cancelling()) - 20)
     results = partition(
         run, source, feedback, OUTPUT=str(tmp_path / f"parts.{ending}"),
         CUTS=str(tmp_path / f"cuts.{ending}"),
@@ -85,17 +91,19 @@ def test_other_layers_of_a_geopackage_stay(run, source, tmp_path, cancelling):
     target = f"ogr:dbname='{path}' table=\"again\" (geom)"
     partition(run, source, OUTPUT=target)
     assert layers_of(path) == {"all": 3 * MANY, "again": 3 * MANY}
-    partition(run, source, cancelling(cancel_after=50), OUTPUT=target)
+    partition(run, source, cancelling(reports_of(run, source, cancelling()) - 20), OUTPUT=target)
     assert layers_of(path) == {"all": 3 * MANY}
     assert QgsVectorLayer(str(path)).isValid()
 
 
 def test_a_cancelled_curve_leaves_no_table_and_no_report(run, source, tmp_path, cancelling):
+    whole = cancelling()
+    run("isthmus:tradeoff", {"INPUT": source, "OUTPUT": "memory:"}, whole)
     results = run(
         "isthmus:tradeoff",
         {"INPUT": source, "OUTPUT": str(tmp_path / "steps.csv"),
          "REPORT": str(tmp_path / "report.html")},
-        cancelling(cancel_after=50),
+        cancelling(cancel_after=len(whole.shares) - 20),
     )  # fmt: skip
     assert results["STEP_COUNT"] > 0
     assert not list(tmp_path.iterdir())

@@ -1,6 +1,6 @@
 """How fast the partition is, beside other things one could do with the same polygon.
 
-    ./run python tests/benchmarks/partition_speed.py [--quick] [--note]
+    ./run python tests/benchmarks/partition_speed.py [--quick] [--note] [--columns triangle pythoncdt ...]
 
 Prints one table: coasts of GSHHG (see gshhg.py for the package to install) from 1,000 to 1,160,925 vertices, and a corridor and a spiral
 of the same size, whose dual trees are as deep as they are long. Each cell is a process of its own,
@@ -29,15 +29,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import conftest  # noqa: E402  (makes the package importable)
 
 sys.path.insert(0, str(conftest.ROOT / "tools"))
-from measured import note  # noqa: E402
+from measured import note, results  # noqa: E402
 
 TAU = 4.0
 SIZES = (1000, 10000, 100000, 10**9)
 COLUMNS = {
     "triangle": "Triangle alone",
+    "pythoncdt": "pythoncdt, with an inside test of our own",
     "shapely": "shapely's CDT",
     "core": "partition (core)",
-    "rest": "of it all but Triangle",
+    "rest": "of it all but the engine",
     "tool": "isthmus:partition, layer to layer",
     "geopackage": "the same, GeoPackage to GeoPackage",
     "subdivide": "native:subdivide",
@@ -97,6 +98,15 @@ def measure(column, ring):
         graph = {"vertices": ring, "segments": segments}
         seconds, result = timed(lambda: triangle.triangulate(graph, "pQ"))
         return seconds, f"{len(result['triangles']):,} triangles"
+    if column == "pythoncdt":
+        from isthmus.core.partition import engines
+
+        following = np.roll(np.arange(len(ring)), -1)
+        segments = np.column_stack((np.arange(len(ring)), following))
+        ring = ring if shapely.is_ccw(shapely.linearrings(ring)) else np.ascontiguousarray(ring[::-1])
+        ends = [0, len(ring)]
+        seconds, result = timed(lambda: engines.triangulate("pythoncdt", ring, ends, segments, ends))
+        return seconds, f"{len(result[0]):,} triangles"
     if column == "shapely":
         shape = shapely.Polygon(ring)
         seconds, result = timed(lambda: shapely.constrained_delaunay_triangles(shape))
@@ -107,19 +117,19 @@ def measure(column, ring):
         seconds, result = timed(lambda: shape.buffer(-width).buffer(width))
         return seconds, f"{shapely.get_num_geometries(result):,} pieces"
     if column in ("core", "rest"):
-        from isthmus.core.partition import triangulation
+        from isthmus.core.partition import engines
         from isthmus.core.partition.solve import partition
 
-        inside, call = [], triangulation._by_triangle
+        inside, call = [], engines.triangulate
 
-        def clocked(*arguments):
+        def clocked(*arguments, **more):
             start = time.process_time()
             try:
-                return call(*arguments)
+                return call(*arguments, **more)
             finally:
                 inside.append(time.process_time() - start)
 
-        triangulation._by_triangle = clocked
+        engines.triangulate = clocked
         seconds, result = timed(lambda: partition(ring, offsets, TAU))
         if column == "rest":
             seconds -= statistics.median(inside)
@@ -188,6 +198,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--note", action="store_true")
+    parser.add_argument("--columns", nargs="+", choices=COLUMNS, default=list(COLUMNS))
     parser.add_argument("--cell", nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
     rings = polygons()
@@ -203,7 +214,8 @@ def main():
     for name, ring in rings.items():
         print(f"\n{name} vertices, tau = {TAU:g}")
         baseline, noted = None, {"vertices": len(ring)}
-        for column, label in COLUMNS.items():
+        for column in options.columns:
+            label = COLUMNS[column]
             if column in SLOW and (name.startswith(DEEP) or options.quick and len(ring) > 50000):
                 continue
             command = [sys.executable, __file__, "--cell", column, name]
@@ -230,6 +242,7 @@ def main():
             )
         if options.note:
             kind = "eurasia" if "0-E" in name else name.split(",")[0].replace(" ", "_")
+            noted = {**results().get("partition_speed", {}).get(kind, {}), **noted}  # of columns not asked for
             note("partition_speed", {kind: noted, "source": "partition_speed.py --note"})
 
 

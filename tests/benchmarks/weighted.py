@@ -30,7 +30,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import conftest  # noqa: E402
 
 from isthmus.core import objective_weighted  # noqa: E402
-from isthmus.core.partition.tradeoff import joint_solver, smallest_dilation  # noqa: E402
+from isthmus.core.partition.tradeoff import joint_solver, smallest_dilation, together  # noqa: E402
+from isthmus.core.rings import one_polygon  # noqa: E402
 from isthmus.core.partition.min_size import SLACK, witness_lengths  # noqa: E402
 from isthmus.core.partition.solve import prepare, select  # noqa: E402
 
@@ -72,18 +73,23 @@ def rounded(prepared, tau, seconds):
             low = step
         else:
             high = step
-    solution = select(prepared, tau, np.rint(prepared.length / high), 1e-3, 60.0)
+    solution = select(
+        prepared, tau, weight=np.rint(prepared.length / high), max_gap=1e-3, time_limit=60.0
+    )
     return prepared.length[solution.selected].sum(), high
 
 
 def measure(name, ring, taus, max_gap, limit, baselines):
     start = time.process_time()
-    prepared = prepare(ring, np.array([0, len(ring)]))
+    prepared = prepare(one_polygon(ring, [0, len(ring)]))
     print(f"\n{name}: {len(ring):,} vertices, prepared in {time.process_time() - start:.1f} s")
     noted = {"vertices": len(ring)}
     for tau in taus:
         start = time.process_time()
-        best = select(prepared, tau, prepared.length, max_gap, limit)
+        best = select(
+            prepared, tau, weight=prepared.length, max_gap=max_gap, time_limit=limit
+        )
+        best = best._replace(cost=best.cost[0], lower_bound=best.lower_bound[0])
         seconds = time.process_time() - start
         gap = 100.0 * (best.cost - best.lower_bound) / best.cost
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
@@ -117,10 +123,10 @@ def measure(name, ring, taus, max_gap, limit, baselines):
 
 def budgets(prepared):
     """How many solutions a budget query takes, and how long beside one of them."""
-    solve = joint_solver([prepared], [None])
+    solve = joint_solver(prepared, np.zeros(1, dtype=int), 1)
     start = time.process_time()
     for _ in range(10):
-        solve(4.0)
+        solve([4.0])
     one = (time.process_time() - start) / 10
     times = []
     for budget in (1, 10, 40, 151, 509):
@@ -131,7 +137,7 @@ def budgets(prepared):
             return solve(tau)
 
         start = time.process_time()
-        answer, _ = smallest_dilation(counting, budget)
+        answer, _ = together([smallest_dilation(budget)], counting)[0]
         seconds = time.process_time() - start
         print(
             f"  budget of {budget:>3} cuts: tau {answer.dilation:.6f}, {len(calls)} solutions, "

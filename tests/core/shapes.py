@@ -1,6 +1,7 @@
 """Polygons to test with. Coordinates are integers wherever an exact answer is wanted."""
 
 import importlib.util
+import os
 import random
 from typing import NamedTuple
 
@@ -8,10 +9,21 @@ import numpy as np
 import pytest
 import shapely
 
-# triangle has no wheels for some machines and for the newest Python
-HAS_TRIANGLE = importlib.util.find_spec("triangle") is not None
-needs_triangle = pytest.mark.skipif(not HAS_TRIANGLE, reason="the package triangle is not installed")
-ENGINES = [pytest.param("triangle", marks=needs_triangle), "shapely"]
+# not every machine has a wheel of each; ISTHMUS_ENGINE (`./run test --engine`) leaves only one
+def _has(engine):
+    if os.environ.get("ISTHMUS_ENGINE", engine) != engine:
+        return False
+    if engine == "shapely":
+        return hasattr(shapely, "constrained_delaunay_triangles")
+    return importlib.util.find_spec(engine) is not None
+
+
+NAMES = ("triangle", "pythoncdt", "shapely")
+INSTALLED = [name for name in NAMES if _has(name)]
+needs = {
+    name: pytest.mark.skipif(name not in INSTALLED, reason=f"the engine {name} is not here") for name in NAMES
+}
+ENGINES = [pytest.param(name, marks=needs[name]) for name in NAMES]
 
 
 class Shape(NamedTuple):

@@ -95,7 +95,7 @@ def check_half_edges(result, shape):
 
 def check_dilations(result, tau, min_length=0.0):
     """The result's own numbers against shortest paths in P and in P and S."""
-    xy, rings = result.polygon.xy, vertex_rings(result)
+    xy, rings = result.polygons.xy, vertex_rings(result)
     bounded = result.length >= min_length
     selected = result.role == SELF
 
@@ -111,7 +111,7 @@ def check_dilations(result, tau, min_length=0.0):
 
 def check_no_cut_needless(result, tau, min_length=0.0):
     """Without any one of the cuts, some candidate is beyond tau, or a ring apart from the rest."""
-    xy, rings = result.polygon.xy, vertex_rings(result)
+    xy, rings = result.polygons.xy, vertex_rings(result)
     bounded = result.length >= min_length
     selected = np.flatnonzero(result.role == SELF)
     for s in selected:
@@ -122,7 +122,7 @@ def check_no_cut_needless(result, tau, min_length=0.0):
 
 
 def vertex_rings(result):
-    polygon = result.polygon
+    polygon = result.polygons
     return [polygon.vertex[lo:hi] for lo, hi in zip(polygon.offsets[:-1], polygon.offsets[1:])]
 
 

@@ -13,6 +13,7 @@ from fractions import Fraction
 from html.parser import HTMLParser
 
 import brute_force
+import checker
 import hostile
 import numpy as np
 import shapely
@@ -20,7 +21,6 @@ from cases import BAD_WEIGHTS, BY_FEATURE, WEIGHTS, run
 from isthmus.algorithms.base import LARGEST
 from isthmus.algorithms.partition.solving import measure_of
 from isthmus.core import metric
-import checker
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9

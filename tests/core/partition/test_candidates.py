@@ -8,7 +8,7 @@ from isthmus.core.partition.candidates import (
 )
 from isthmus.core.partition.carving import components
 from isthmus.core.metric import planar
-from isthmus.core.partition.polygon import from_rings
+from isthmus.core.partition.polygon import one as from_rings
 
 from .. import shapes
 
@@ -106,8 +106,9 @@ def test_order_of_the_lines_does_not_matter(seed):
 
 def attachments(s, min_hole):
     polygon = from_rings(*s)
-    wanted, attachable = counted(polygon, components(polygon), planar().equal_area, min_hole)
-    return wanted, {tuple(p) for p in polygon.xy[attachable]}
+    wanted, attachable = counted(polygon, components(polygon), planar().equal_area,
+                                 np.array([min_hole]))
+    return set(np.flatnonzero(wanted).tolist()), {tuple(p) for p in polygon.xy[attachable]}
 
 
 def test_a_neck_can_be_cut_beside_an_islet():
@@ -116,8 +117,8 @@ def test_a_neck_can_be_cut_beside_an_islet():
     shell = [(0, 0), (4.8, 4), (5, 4), (5.2, 4), (10, 0), (10, 10), (5.2, 6), (5, 6), (4.8, 6), (0, 10)]
     polygon = from_rings(*shapes.shape(shell, islet))
     component = components(polygon)
-    wanted, attachable = counted(polygon, component, planar().equal_area, 1.0)
-    edges = from_triangulation(polygon, component, wanted)
+    wanted, attachable = counted(polygon, component, planar().equal_area, np.ones(1))
+    edges, _ = from_triangulation(polygon, component, wanted, measure=planar())
     ends = {frozenset(map(tuple, polygon.xy[edge])) for edge in edges}
     assert attachable[edges].all()
     assert frozenset({(4.8, 4), (4.8, 6)}) in ends and frozenset({(5.2, 4), (5.2, 6)}) in ends

@@ -6,10 +6,9 @@ from isthmus.core.partition.dilation import (
     boundary_graph, detours, drop_redundant, largest_dilation, true_dilations,
 )
 from isthmus.core.metric import planar
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals
+from isthmus.core.partition.polygon import one
 
-from .. import shapes
+from .. import shapes, stages
 from ..verify import assert_close
 
 NONE = np.empty(0, dtype=np.int64)
@@ -31,14 +30,25 @@ def nothing(share=None):
 
 class Case:
     def __init__(self, name):
-        self.polygon = polygon = from_rings(*CASES[name])
-        self.edges = diagonals(polygon)
+        self.name = name
+        self.polygon = polygon = one(*CASES[name])
+        self.edges = stages.diagonals(polygon)
         self.length = planar().length(polygon.xy, *self.edges.T)
         self.edge_length = planar().length(
             polygon.xy, polygon.vertex, polygon.vertex[polygon.next_corner])
 
     def graph(self, selected):
-        return boundary_graph(self.polygon, self.edge_length, self.edges, self.length, selected)
+        return boundary_graph(self.polygon, self.polygon.xy, self.edge_length, self.edges, self.length, selected)
+
+    def dropped(self, selected, bounded, tau, check):
+        """What `drop_redundant` keeps of edges, T among them."""
+        prepared = stages.prepared(CASES[self.name])
+        assert np.array_equal(prepared.edges, self.edges)
+        role = np.zeros(len(self.edges), dtype=int)  # all are selected: none has a witness yet
+        return drop_redundant(
+            self.graph(selected), self.edges, self.length, selected, self.length, bounded,
+            np.full(len(self.edges), tau), prepared.carved, role, np.ones(len(self.edges)), check,
+        )
 
     def expected(self, selected):
         offsets = self.polygon.offsets
@@ -66,10 +76,11 @@ def test_true_dilations(name, share):
     bound = np.where(np.isin(np.arange(len(case.edges)), selected), 1.0, np.inf)
     asked = case.graph(selected), case.edges, case.length
     assert_close(true_dilations(*asked, bound, nothing), expected)
-    assert largest_dilation(*asked, bound, nothing) == pytest.approx(expected.max())
+    owner = np.zeros(len(case.edges), dtype=int)
+    assert largest_dilation(*asked, bound, owner, 1, nothing)[0] == pytest.approx(expected.max())
     closer = np.where(bound > 1, expected * 1.5, 1.0)
     assert_close(true_dilations(*asked, closer, nothing), expected)
-    assert largest_dilation(*asked, closer, nothing) == pytest.approx(expected.max())
+    assert largest_dilation(*asked, closer, owner, 1, nothing)[0] == pytest.approx(expected.max())
 
 
 @pytest.mark.parametrize("tau", [1.0, 1.5, 2.0, 4.0])
@@ -79,8 +90,7 @@ def test_drop_redundant(name, tau):
     case = Case(name)
     everything = np.arange(len(case.edges))
     bounded = everything % 2 == 0
-    kept = drop_redundant(case.graph(everything), case.edges, case.length, everything,
-                          case.length, bounded, tau, nothing)
+    kept = case.dropped(everything, bounded, tau, nothing)
     dilation = case.expected(kept)
     assert np.isfinite(dilation).all(), "all rings are still connected"
     assert (dilation[bounded] <= tau * (1 + 1e-9)).all()
@@ -100,10 +110,9 @@ def test_check_may_stop_each_search():
 
     bound = np.full(len(case.edges), np.inf)
     asked = case.graph(NONE), case.edges, case.length, bound
-    for search in (true_dilations, largest_dilation):
-        with pytest.raises(Stop):
-            search(*asked, stop)
     with pytest.raises(Stop):
-        everything = np.arange(len(case.edges))
-        drop_redundant(case.graph(everything), case.edges, case.length, everything, case.length,
-                       bound > 0, 2.0, stop)
+        true_dilations(*asked, stop)
+    with pytest.raises(Stop):
+        largest_dilation(*asked, np.zeros(len(bound), dtype=int), 1, stop)
+    with pytest.raises(Stop):
+        case.dropped(np.arange(len(case.edges)), bound > 0, 2.0, stop)

@@ -30,8 +30,9 @@ def network_of(ring, diagonals, root=0):
     walk = np.roll(ring, -root, axis=0)
     step = np.hypot(*(walk - np.roll(walk, -1, axis=0)).T)
     length = np.hypot(*(ring[diagonals[:, 0]] - ring[diagonals[:, 1]]).T)
-    tree = build_tree(m, i, j)
-    return network(tree, step[-1], step[:-1], length), diagonals[tree.diagonal]
+    walk = np.array([0, m])
+    tree = build_tree(walk, i, j)
+    return network(tree, walk, step, length), diagonals[tree.diagonal]
 
 
 def size(ring, diagonals, tau, root=0):
@@ -114,8 +115,9 @@ def test_witness_lengths_are_shortest_paths(seed, way):
 @pytest.mark.parametrize("tau, cuts", [(1.1 - 1e-9, 1), (1.1, 0), (1.2, 0)])
 def test_a_tie_is_allowed(tau, cuts, way):
     """A diagonal of length 10, a path of 12 on one side, and one of 5 + 6 on the root's side."""
-    tree = build_tree(4, np.array([1]), np.array([3]))
-    net = network(tree, 5.0, np.array([6.0, 6.0, 6.0]), np.array([10.0]))
+    walk = np.array([0, 4])
+    tree = build_tree(walk, np.array([1]), np.array([3]))
+    net = network(tree, walk, np.array([6.0, 6.0, 6.0, 5.0]), np.array([10.0]))
     assert (min_size(net, tau) == SELF).sum() - 1 == cuts
 
 
@@ -123,7 +125,8 @@ def test_check_is_called(way):
     """On a corridor, where the tree is deep."""
     m = 140_000
     i = np.arange(m // 2 - 1)
-    net = network(build_tree(m, i, m - 2 - i), 1.0, np.ones(m - 1), np.ones(len(i)))
+    walk = np.array([0, m])
+    net = network(build_tree(walk, i, m - 2 - i), walk, np.ones(m), np.ones(len(i)))
 
     class Stop(Exception):
         pass

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 import shapely
 
-from isthmus.core.partition.carving import carve, components, spanning_tree
 from isthmus.core.metric import ellipsoidal, planar
 from isthmus.core.partition.solve import partition
 from isthmus.core.partition.parts import build_parts
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals
+from isthmus.core.partition.polygon import one
 
-from .. import shapes
+from .. import shapes, stages
 from ..verify import check_parts, polygons
 
 
@@ -19,12 +17,10 @@ class Result:
     """Just what `check_parts` looks at."""
 
     def __init__(self, s, seed=0, share=0.3):
-        polygon = from_rings(*s)
-        edges = diagonals(polygon)
+        polygon = one(*s)
+        edges = stages.diagonals(polygon)
         length = planar().length(polygon.xy, *edges.T)
-        component = components(polygon)
-        wanted = set(component.tolist())
-        tree = spanning_tree(polygon, component, edges, length, wanted)
+        tree, walk = stages.carved(polygon, edges, length)
         chosen = np.random.default_rng(seed).random(len(edges)) < share
         chosen[tree] = True
         corner = np.empty(len(polygon.xy), dtype=int)
@@ -32,8 +28,7 @@ class Result:
         self.edge_rows = polygon.rows[polygon.row_start[corner[edges]]]
         self.role = np.where(chosen, 0, 1)
         self.parts = build_parts(
-            polygon, carve(polygon, component, edges, tree, wanted), np.flatnonzero(chosen), tree,
-            planar().equal_area)
+            polygon, walk, np.flatnonzero(chosen), tree, planar().equal_area)
 
 
 CASES = {

@@ -4,28 +4,41 @@ import math
 
 import numpy as np
 import pytest
-from isthmus.core.partition.tradeoff import Joint, OverBudget, joint_solver, smallest_dilation, trade_off
-from isthmus.core.partition.tradeoff import paying_steps
-from isthmus.core.partition.solve import finish, prepare
+from isthmus.core.partition import tradeoff
+from isthmus.core.partition.solve import finish, prepare, select
+from isthmus.core.partition.tradeoff import Joint, OverBudget, joint_solver, paying_steps
 
-from .. import brute_force
-
-from .. import shapes
+from .. import brute_force, shapes, stages
 
 
-def solver_of(*polygons, weights=None):
-    prepared = [prepare(*s) for s in polygons]
-    return joint_solver(prepared, weights or [None] * len(prepared)), prepared
+def solver_of(*polygons):
+    """The solver of polygons that share a budget, and what they are prepared as."""
+    prepared = prepare(stages.together(polygons))
+    solve = joint_solver(prepared, np.zeros(len(polygons), dtype=int), 1)
+    return (lambda tau: solve([tau])[0]), prepared
+
+
+def run(search, solve):
+    """One search by itself."""
+    return tradeoff.together([search], lambda tau: [solve(tau[0])])[0]
+
+
+def smallest_dilation(solve, budget):
+    return run(tradeoff.smallest_dilation(budget), solve)
+
+
+def trade_off(solve, low, high, most=None):
+    return run(tradeoff.trade_off(low, high, most), solve)
 
 
 def ring_and_candidates(prepared):
-    return prepared.polygon.xy, prepared.edges
+    return prepared.polygons.xy, prepared.edges
 
 
 @pytest.mark.parametrize("seed", range(25))
 def test_budget_against_all_subsets(seed):
     s = shapes.tour(seed, 11)
-    solve, (prepared,) = solver_of(s)
+    solve, prepared = solver_of(s)
     for budget in range(9):
         joint, proven = smallest_dilation(solve, budget)
         expected = brute_force.smallest_dilation(
@@ -39,7 +52,7 @@ def test_budget_against_all_subsets(seed):
 @pytest.mark.parametrize("seed", range(12))
 def test_curve_against_all_subsets(seed):
     s = shapes.tour(100 + seed, 10)
-    solve, (prepared,) = solver_of(s)
+    solve, prepared = solver_of(s)
     curve = trade_off(solve, 1.0, math.inf)
     assert curve.complete
     subset, dilation = brute_force.all_subsets(*ring_and_candidates(prepared))
@@ -71,13 +84,24 @@ def test_several_polygons_share_a_budget():
 
 
 def test_holes_need_their_edges():
-    solve, (prepared,) = solver_of(shapes.TWO_HOLES)
+    solve, prepared = solver_of(shapes.TWO_HOLES)
     answer, proven = smallest_dilation(solve, 1)
     assert proven and answer == OverBudget(2.0)
     joint, _ = smallest_dilation(solve, 4)
     assert joint.cost <= 4
-    result = finish(prepared, joint.selections[0])
-    assert result.largest_dilation == joint.dilation
+    result = finish(prepared, select(prepared, joint.tau))
+    assert result.largest_dilation[0] == joint.dilation
+
+
+def test_searches_side_by_side_find_what_each_finds():
+    polygons = [shapes.tour(seed, 12 + seed) for seed in range(8)]
+    prepared = prepare(stages.together(polygons))
+    solve = joint_solver(prepared, np.arange(8), 8)
+    budgets = [0, 1, 2, 3, 4, 5, 6, 7]
+    found = tradeoff.together([tradeoff.smallest_dilation(b) for b in budgets], solve)
+    for s, budget, (joint, proven) in zip(polygons, budgets, found):
+        alone, _ = smallest_dilation(solver_of(s)[0], budget)
+        assert proven and joint.dilation == pytest.approx(alone.dilation, rel=1e-12)
 
 
 @pytest.mark.parametrize("budget", [0, 3, 30, 300])
@@ -107,7 +131,7 @@ def test_paying_steps():
 def test_a_dilation_that_does_not_fall_is_the_last(dilation):
     """Rounding may give back the dilation asked to be beaten: that must not go on for ever."""
     def solve(tau):
-        return Joint([], 1.0, 1.0, dilation)
+        return Joint(tau, 1.0, 1.0, dilation)
 
     assert len(trade_off(solve, 1.0, math.inf).solutions) == 1
     assert smallest_dilation(solve, 1.0)[0].cost == 1.0
@@ -117,7 +141,7 @@ def test_two_costs_that_differ_by_rounding_are_one_step():
     def solve(tau):
         for least, cost in ((5.0, 1.0), (4.0, 2.0 * (1 + 1e-11)), (3.0, 2.0), (1.0, 9.0)):
             if tau >= least:
-                return Joint([], cost, cost, least)
+                return Joint(tau, cost, cost, least)
 
     steps = trade_off(solve, 1.0, math.inf).solutions
     assert [(step.cost, step.dilation) for step in steps] == [(1.0, 5.0), (2.0, 3.0), (9.0, 1.0)]

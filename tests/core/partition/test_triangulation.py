@@ -1,4 +1,5 @@
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -6,13 +7,14 @@ import shapely
 
 from isthmus.core import metric
 
-from isthmus.core.partition import triangulation
+from isthmus.core.partition import engines
 from isthmus.core.errors import MissingEngine, Unsolvable
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals, engine_name, missing_packages
+from isthmus.core.partition.polygon import one as from_rings
+from isthmus.core.partition.triangulation import engine_name, missing_packages, triangulate
 
 from .. import shapes
-from ..shapes import ENGINES, needs_triangle
+from ..shapes import ENGINES, INSTALLED, needs
+from ..stages import diagonals
 
 CASES = {
     **shapes.TOUCHING,
@@ -50,41 +52,43 @@ def test_a_triangulation(name, engine):
     check_triangulation(CASES[name], diagonals(from_rings(*CASES[name]), engine=engine))
 
 
-@needs_triangle
+@pytest.mark.skipif(len(INSTALLED) < 2, reason="there is only one engine")
 @pytest.mark.parametrize("seed", range(20))
 def test_engines_agree_where_no_four_points_are_cocircular(seed):
     for s in (shapes.tour(seed, 40), shapes.mosaic(seed, 50)):
         polygon = from_rings(*s)
-        assert np.array_equal(*(diagonals(polygon, engine=engine) for engine in ("triangle", "shapely")))
+        first, *others = (diagonals(polygon, engine=engine) for engine in INSTALLED)
+        assert all(np.array_equal(first, other) for other in others)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_delaunay(seed):
-    """Of each two triangles at a diagonal, neither sees the other's corner inside its circle."""
-    s = shapes.tour(seed, 30)
-    polygon = from_rings(*s)
-    edges = diagonals(polygon)
-    n = len(polygon.xy)
-    near = {v: {(v + 1) % n, (v - 1) % n} for v in range(n)}
-    for u, v in edges.tolist():
-        near[u].add(v)
-        near[v].add(u)
-    for u, v in edges.tolist():
-        opposite = [w for w in near[u] & near[v]
-                    if shapely.contains_properly(s.polygon.buffer(1e-6), shapely.polygons(
-                        polygon.xy[[u, v, w]]))]
-        angles = 0.0
-        for side in (1, -1):
-            seen = [w for w in opposite if side * _turn(polygon.xy, u, v, w) > 0]
-            w = min(seen, key=lambda w: abs(_turn(polygon.xy, u, v, w)))
-            a, b = polygon.xy[u] - polygon.xy[w], polygon.xy[v] - polygon.xy[w]
-            angles += np.arctan2(abs(a[0] * b[1] - a[1] * b[0]), a @ b)
-        assert angles <= np.pi + 1e-9
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", CASES)
+def test_delaunay(name, engine):
+    """No triangle sees the corner of its neighbour inside its circle; exact, of many collinear points too."""
+    polygon = from_rings(*CASES[name])
+    found, _ = triangulate(polygon, engine=engine)
+    opposite = {}
+    for corners in found.tolist():
+        for k in range(3):
+            opposite[corners[k], corners[k - 2]] = corners[k - 1]
+    assert len(opposite) == 3 * len(found)
+    points = [tuple(map(Fraction, point)) for point in polygon.xy.tolist()]
+    assert not any(
+        _in_circle(points[a], points[b], points[c], points[opposite[b, a]])
+        for (a, b), c in opposite.items() if (b, a) in opposite
+    )
 
 
-def _turn(xy, u, v, w):
-    (ax, ay), (bx, by) = xy[v] - xy[u], xy[w] - xy[u]
-    return ax * by - ay * bx
+def _in_circle(a, b, c, d):
+    """Whether d is inside the circle through a, b, c, which turn left."""
+    (ax, ay), (bx, by), (cx, cy) = ((x - d[0], y - d[1]) for x, y in (a, b, c))
+    turn = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    assert turn > 0
+    return (
+        (ax * ax + ay * ay) * (bx * cy - cx * by)
+        - (bx * bx + by * by) * (ax * cy - cx * ay)
+        + (cx * cx + cy * cy) * (ax * by - bx * ay)
+    ) > 0
 
 
 # ---------------------------------------------------------------- longitudes and latitudes
@@ -141,55 +145,151 @@ CRASHES = {
 }
 
 
-@needs_triangle
-@pytest.mark.parametrize("name", {**CRASHES, **LONLAT, **shapes.TOUCHING})
+ONLY_SHAPELY = ("1 and 1e-300", "1e150 and 1e-170")
+HARD = {**CRASHES, **LONLAT, **shapes.TOUCHING}
+
+
+def check_points(points):
+    """What Triangle crashes on and CDT hangs on: coincident points, underflow of products of four."""
+    assert np.isfinite(points).all()
+    assert len(np.unique(points, axis=0)) == len(points)
+    magnitude = np.abs(points[points != 0])
+    assert 1e-70 < magnitude.min() and magnitude.max() < 1e70
+
+
+def check_count(name, engine):
+    s = HARD[name]
+    for conformal in (None, metric.ellipsoidal().conformal):
+        polygon = from_rings(*s)
+        if name in ONLY_SHAPELY and "shapely" not in INSTALLED:
+            with pytest.raises(Unsolvable, match="too fine"):
+                diagonals(polygon, conformal, engine)
+            continue
+        corners, n = len(polygon.vertex), len(polygon.xy)
+        holes = len(s.rings) - 1
+        edges = diagonals(polygon, conformal, engine)
+        assert len(edges) == corners + 3 * (holes - (corners - n) - 1)
+
+
+@needs["triangle"]
+@pytest.mark.parametrize("name", HARD)
 def test_triangle_gets_only_what_it_survives(name, monkeypatch):
-    """Coincident points, overflow and underflow (of products of four) are segmentation faults."""
     import triangle
 
     original = triangle.triangulate
 
     def spy(graph, options):
-        points = graph["vertices"]
-        assert np.isfinite(points).all()
-        assert len(np.unique(points, axis=0)) == len(points)
-        magnitude = np.abs(points[points != 0])
-        assert 1e-70 < magnitude.min() and magnitude.max() < 1e70
+        check_points(graph["vertices"])
         return original(graph, options)
 
     monkeypatch.setattr(triangle, "triangulate", spy)
-    s = {**CRASHES, **LONLAT, **shapes.TOUCHING}[name]
-    for conformal in (None, metric.ellipsoidal().conformal):
-        polygon = from_rings(*s)
-        corners, n = len(polygon.vertex), len(polygon.xy)
-        holes = len(s.rings) - 1
-        edges = diagonals(polygon, conformal)
-        assert len(edges) == corners + 3 * (holes - (corners - n) - 1)
+    check_count(name, "triangle")
+
+
+@needs["pythoncdt"]
+@pytest.mark.parametrize("name", HARD)
+def test_cdt_gets_only_what_it_survives(name, monkeypatch):
+    import pythoncdt
+
+    class Spy(pythoncdt.Triangulation):
+        def insert_vertices(self, points):
+            check_points(points)
+            super().insert_vertices(points)
+
+    monkeypatch.setattr(pythoncdt, "Triangulation", Spy)
+    check_count(name, "pythoncdt")
+
+
+# ---------------------------------------------------------------- many polygons at once
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_polygon_does_not_depend_on_its_neighbours(engine):
+    """Some share all their points, some fail; nothing but the numbers of the vertices may differ."""
+    polygons = [from_rings(*s) for s in CASES.values()] * 2
+    turned = from_rings(*shapes.DUMBBELL)
+    polygons += [turned._replace(xy=turned.xy[::-1])] * 2
+    polygons.append(polygons[3]._replace(xy=polygons[3].xy * 1e-100))
+    order = np.random.default_rng(1).permutation(len(polygons))
+    polygons = [polygons[k] for k in order]
+    ends = [np.column_stack((p.vertex, p.vertex[p.next_corner])) for p in polygons]
+    shift = np.cumsum([0] + [len(p.xy) for p in polygons])
+    found, offsets = engines.triangulate(
+        engine,
+        np.concatenate([p.xy for p in polygons]),
+        shift,
+        np.concatenate([one + first for one, first in zip(ends, shift)]),
+        np.cumsum([0] + [len(one) for one in ends]),
+    )
+    for k, polygon in enumerate(polygons):
+        alone, _ = engines.triangulate(engine, polygon.xy, [0, len(polygon.xy)], ends[k], [0, len(ends[k])])
+        assert np.array_equal(found[offsets[k]:offsets[k + 1]] - shift[k], alone)
+    assert len(engines.triangulate(engine, np.empty((0, 2)), [0], np.empty((0, 2), int), [0])[0]) == 0
+
+
+@needs["pythoncdt"]
+@pytest.mark.parametrize("ring", [
+    [(0, 0), (4, 0), (4, 4), (2, -1), (0, 4)],  # crosses itself
+    [(0, 0), (4, 0), (4, 4), (4, 4), (0, 4)],  # a point twice
+    [(0, 0), (0, 4), (4, 4), (4, 0)],  # the wrong way round: open to the outside
+    [(0, 0), (2, 0), (4, 0), (6, 0)],  # flat
+])
+def test_cdt_has_no_answer_for_what_is_no_polygon(ring):
+    start = np.arange(len(ring))
+    ends = np.column_stack((start, np.roll(start, -1)))
+    found, _ = engines.triangulate(
+        "pythoncdt", np.array(ring, dtype=float), [0, len(ring)], ends, [0, len(ring)]
+    )
+    assert len(found) == 0
 
 
 # ---------------------------------------------------------------- missing packages
 
 
-@needs_triangle
-def test_triangle_first():
-    assert engine_name() == "triangle"
+@pytest.fixture
+def without(monkeypatch):
+    """Hide engines; what ISTHMUS_ENGINE asks for does not count."""
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
+
+    def hide(*names):
+        for name in names:
+            if name == "shapely":
+                monkeypatch.delattr(shapely, "constrained_delaunay_triangles", raising=False)
+            else:
+                monkeypatch.setitem(sys.modules, name, None)
+
+    return hide
+
+
+def test_the_first_engine_that_is_there():
+    assert engine_name() == INSTALLED[0]
+    assert engines.engine_names() == INSTALLED
     assert missing_packages() == ""
 
 
-def test_without_triangle(monkeypatch):
-    monkeypatch.setitem(sys.modules, "triangle", None)
+@needs["shapely"]
+def test_shapely_alone(without):
+    without("triangle", "pythoncdt")
     assert engine_name() == "shapely"
     assert missing_packages() == ""
     check_triangulation(shapes.DUMBBELL, diagonals(from_rings(*shapes.DUMBBELL)))
 
 
-def test_without_both(monkeypatch):
-    monkeypatch.setitem(sys.modules, "triangle", None)
-    monkeypatch.delattr(shapely, "constrained_delaunay_triangles")
+def test_without_all(without):
+    without("triangle", "pythoncdt", "shapely")
     assert engine_name() == ""
-    assert "triangle" in missing_packages() and "shapely 2.1" in missing_packages()
+    assert "pythoncdt" in missing_packages() and "shapely 2.1" in missing_packages()
     with pytest.raises(MissingEngine, match="triangle.*shapely 2.1"):
         diagonals(from_rings(*shapes.SQUARE))
+
+
+def test_one_engine_alone_by_the_environment(monkeypatch):
+    for name in INSTALLED:
+        monkeypatch.setenv("ISTHMUS_ENGINE", name)
+        assert engines.engine_names() == [name]
+    monkeypatch.setenv("ISTHMUS_ENGINE", "abacus")
+    assert engine_name() == ""
+    assert "ISTHMUS_ENGINE" in missing_packages() and "abacus" in missing_packages()
 
 
 def test_shapely_1_is_said_to_be_too_old(monkeypatch):
@@ -197,21 +297,42 @@ def test_shapely_1_is_said_to_be_too_old(monkeypatch):
     assert shapely.__version__ in missing_packages()
 
 
+@pytest.mark.skipif(len(INSTALLED) < 2, reason="there is only one engine")
 @pytest.mark.parametrize("answer", [
     np.empty((0, 3), dtype=int),
     np.array([[0, 1, 2]]),
     np.array([[0, 1, 2], [0, 1, 2]]),
-    np.array([[0, 1, 2], [0, 2, 4]]),
     np.array([[0, 2, 1], [0, 3, 2]]),
 ])
 def test_a_wrong_answer_is_never_used(answer, monkeypatch):
-    """Triangle adds vertices or gives up without a word: shapely takes over."""
-    monkeypatch.setattr(triangulation, "_by_triangle", lambda polygon, plane: answer)
+    """Engines give up without a word: the next takes over, and in the end none."""
+    real, failing = engines.triangulate, []
+
+    def triangulate(engine, *arguments, **more):
+        if engine in failing:
+            return answer, np.array([0, len(answer)])
+        return real(engine, *arguments, **more)
+
+    monkeypatch.setattr(engines, "triangulate", triangulate)
     polygon = from_rings(*shapes.SQUARE)
-    assert len(diagonals(polygon, engine="triangle")) == 1
-    monkeypatch.delattr(shapely, "constrained_delaunay_triangles")
+    for engine in INSTALLED:
+        assert len(diagonals(polygon)) == 1
+        failing.append(engine)
     with pytest.raises(Unsolvable, match="could not be triangulated"):
-        diagonals(polygon, engine="triangle")
+        diagonals(polygon)
+
+
+@needs["triangle"]
+def test_vertices_that_triangle_adds_are_no_answer(monkeypatch):
+    import triangle
+
+    polygon = from_rings(*shapes.SQUARE)
+    monkeypatch.setattr(triangle, "triangulate", lambda *_: {"triangles": np.array([[0, 1, 2], [0, 2, 4]])})
+    ends = np.column_stack((np.arange(8), [1, 2, 3, 0, 5, 6, 7, 4]))
+    found, offsets = engines.triangulate(
+        "triangle", np.concatenate((polygon.xy, polygon.xy)), [0, 4, 8], ends, [0, 4, 8]
+    )
+    assert len(found) == 0 and offsets.tolist() == [0, 0, 0]
 
 
 @pytest.mark.parametrize("size", [1e-299, 1e-120, 1e-60])

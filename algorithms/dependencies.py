@@ -1,0 +1,93 @@
+"""Python packages that QGIS may lack: what is missing, and which command installs it."""
+
+import platform
+import sys
+import sysconfig
+from pathlib import Path
+
+# For which CPython and which machines PyPI has wheels. Nobody builds an engine from source.
+WHEELS = {
+    "pythoncdt": ((3, 10), (3, 15), {
+        "linux-x86_64", "linux-aarch64", "win-amd64", "macosx-x86_64", "macosx-arm64",
+    }),
+    "triangle": ((3, 7), (3, 13), {"linux-x86_64", "win-amd64", "macosx-arm64"}),
+}
+
+
+def dependency_problem():
+    """Return what is missing and which command installs it, or '' if the tools can run."""
+    try:
+        import numpy
+    except ImportError:
+        return "The Python package numpy is missing. Install it with QGIS's own package manager."
+    try:
+        import shapely
+
+        from ..core.partition.triangulation import missing_packages
+
+        problem = missing_packages(shapely)
+    except ImportError:
+        problem = "the Python package shapely is missing"
+    return problem and f"{problem[0].upper()}{problem[1:]}. {install_hint(numpy.__version__)}"
+
+
+def engines_with_wheels(version=None, machine=None):
+    """Return the triangulation engines that pip can install, those that are free for all first.
+
+    Parameters
+    ----------
+    version : (int, int), optional
+        Of CPython. Default: the running one.
+    machine : str, optional
+        System and processor, such as 'linux-x86_64'. Default: this one.
+    """
+    if sys.implementation.name != "cpython":
+        return []
+    version = tuple(version or sys.version_info[:2])
+    machine = machine or _machine()
+    return [name for name, (first, last, machines) in WHEELS.items()
+            if first <= version <= last and machine in machines]
+
+
+def _machine():
+    # on a Mac, the name of Python's own build may stand for two processors
+    if sys.platform == "darwin":
+        return f"macosx-{platform.machine()}"
+    return sysconfig.get_platform()
+
+
+def install_hint(numpy_version, packages=None):
+    """Return how to install packages without touching QGIS's numpy.
+
+    Parameters
+    ----------
+    numpy_version : str
+    packages : list of str, optional
+        As pip takes them. Default: shapely, and an engine that triangulates faster.
+    """
+    remark = ""
+    if packages is None:
+        packages = ['"shapely>=2.1"', *engines_with_wheels()[:1]]
+        if "triangle" in packages:
+            remark = "triangle's licence does not allow commercial use: leave it out then; "
+    managed = Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists()
+    return (
+        "To install what is needed, run this (on Windows in the OSGeo4W Shell), then restart QGIS: "
+        f'python3 -m pip install --user {"--break-system-packages " * managed}'
+        f'{" ".join(packages)} "numpy=={numpy_version}"'
+        f" ({remark}the last word keeps QGIS's own numpy)"
+    )
+
+
+def slow_engine_note():
+    """Return what makes the tools faster where only shapely triangulates, or ''."""
+    from ..core.partition.engines import engine_name, only_engine
+
+    if engine_name() != "shapely" or only_engine():
+        return ""
+    installable = engines_with_wheels()
+    advice = ""
+    if installable:
+        advice = f" (the Python package {installable[0]} is faster"
+        advice += ", but may not be used commercially)" if installable[0] == "triangle" else ")"
+    return f"Shapely's triangulation is used: as good as others, but slower{advice}."

@@ -1,0 +1,326 @@
+"""The engines that triangulate: constrained Delaunay triangulations of polygons, by others' code.
+
+* ``triangle``: Shewchuk's Triangle. Its licence forbids commercial use, so it is imported where it is
+  installed and never shipped.
+* ``pythoncdt``: the CDT library by A. Amirkhanov (MPL-2.0).
+* ``shapely``: GEOS, from shapely 2.1 on; several times slower.
+
+All give a constrained Delaunay triangulation; where four corners lie on a circle they may choose
+different diagonals. The first two crash or hang on some input that is no polygon: only polygons that have
+passed `polygon.from_rings` may come here. No answer is checked but for what an engine is known to do
+wrong: `triangulation` checks them all.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Callable
+
+import numpy as np
+import shapely
+
+from ..predicates import orientations
+from ..progress import ignore
+from ..rings import groups, offsets_of
+
+__all__ = ["ENGINES", "engine_name", "engine_names", "only_engine", "triangulate"]
+
+VARIABLE = "ISTHMUS_ENGINE"
+CALLS = 256  # of an engine, between two checks for a cancel
+ENGINES = ("triangle", "pythoncdt", "shapely")
+
+
+def only_engine() -> str:
+    """Return the engine that the environment variable ISTHMUS_ENGINE asks for, or ''.
+
+    For tests, and for those who may not use Triangle though it is installed.
+    """
+    return os.environ.get(VARIABLE, "")
+
+
+def engine_names() -> list[str]:
+    """Return the engines that are installed (and asked for, see `only_engine`), the one to prefer first."""
+    only = only_engine()
+    return [name for name in ENGINES if only in ("", name) and _installed(name)]
+
+
+def engine_name() -> str:
+    """Return the engine to prefer, or '' where none is installed."""
+    return next(iter(engine_names()), "")
+
+
+def triangulate(
+    engine: str,
+    xy: np.ndarray,
+    vertex_offsets: np.ndarray,
+    segments: np.ndarray,
+    segment_offsets: np.ndarray,
+    check: Callable = ignore,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Triangulate many polygons, each by itself.
+
+    Parameters
+    ----------
+    engine : {'triangle', 'pythoncdt', 'shapely'}
+    xy : (n, 2) float
+        The vertices of all polygons, those of a polygon distinct.
+    vertex_offsets : (p + 1,) int
+        Where the vertices of each polygon start.
+    segments : (c, 2) int
+        Vertices at the ends of each ring edge, the inside on the left; ring after ring, the shell first.
+    segment_offsets : (p + 1,) int
+    check : callable, optional
+        Called now and then with the share done; may raise `Cancelled`.
+
+    Returns
+    -------
+    triangles : (m, 3) int
+        Vertices of the triangles, counter-clockwise.
+    offsets : (p + 1,) int
+        Where the triangles of each polygon start; it has none where the engine fails.
+
+    Notes
+    -----
+    O(n log n) for each polygon of n vertices.
+
+    Examples
+    --------
+    >>> xy = np.array([[0, 0], [9, 0], [0, 9], [0, 0], [3, 0], [4, 1], [0, 2]], dtype=float)
+    >>> ends = np.array([[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 6], [6, 3]])
+    >>> triangulate(engine_name(), xy, [0, 3, 7], ends, [0, 3, 7])[1]
+    array([0, 1, 3])
+    """
+    vertex_offsets, segment_offsets = np.asarray(vertex_offsets), np.asarray(segment_offsets)
+    xy = np.ascontiguousarray(xy, dtype=float)
+    if len(vertex_offsets) == 1:
+        return np.empty((0, 3), dtype=np.int64), np.zeros(1, dtype=np.int64)
+    call = {"triangle": _by_triangle, "pythoncdt": _by_pythoncdt, "shapely": _by_shapely}[engine]
+    return call(xy, vertex_offsets, segments, segment_offsets, check)
+
+
+def _installed(name):
+    if name == "shapely":
+        return hasattr(shapely, "constrained_delaunay_triangles")
+    try:
+        __import__(name)
+    except ImportError:
+        return False
+    return True
+
+
+def _survives(xy, vertex_offsets):
+    """Polygons whose coordinates the engines' arithmetic can multiply by fours: at 1e-70 that underflows.
+
+    Then Triangle crashes, and CDT hangs.
+    """
+    magnitude = np.abs(xy)
+    tiny = ((magnitude < 1e-70) & (magnitude > 0.0)).any(axis=1)
+    wanted = np.ones(len(vertex_offsets) - 1, dtype=bool)
+    if tiny.any():
+        wanted[np.searchsorted(vertex_offsets, np.flatnonzero(tiny), side="right") - 1] = False
+    return wanted
+
+
+def _local(vertex_offsets, segments, segment_offsets, dtype):
+    """The segments of each polygon by the numbers of its own vertices."""
+    shift = np.repeat(vertex_offsets[:-1], np.diff(segment_offsets))
+    return (segments - shift[:, None]).astype(dtype)
+
+
+def _ring_offsets(segments):
+    """Where each ring starts among the segments: it ends where it is back at its first vertex."""
+    start, end = segments.T
+    broken = np.append(True, end[:-1] != start[1:])  # not where rings touch at their first vertices
+    first = start[broken][np.cumsum(broken) - 1]
+    return np.append(0, np.flatnonzero(end == first) + 1)
+
+
+# ---------------------------------------------------------------- Triangle
+
+
+def _by_triangle(xy, vertex_offsets, segments, segment_offsets, check):
+    from triangle import triangulate as call
+
+    nothing = np.empty((0, 3), dtype=np.int32)
+    survives = _survives(xy, vertex_offsets).tolist()
+    holes, hole_offsets = _hole_points(xy, segments, segment_offsets)
+    segments = _local(vertex_offsets, segments, segment_offsets, np.int32)
+    vertex, segment, hole = vertex_offsets.tolist(), segment_offsets.tolist(), hole_offsets.tolist()
+    found = []
+    for p in range(len(survives)):
+        if p % CALLS == 0:
+            check(p / len(survives))
+        graph = {
+            "vertices": xy[vertex[p]:vertex[p + 1]],
+            "segments": segments[segment[p]:segment[p + 1]],
+        }
+        if hole[p] < hole[p + 1]:
+            graph["holes"] = holes[hole[p]:hole[p + 1]]
+        # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
+        try:
+            found.append(call(graph, "pQBPN").get("triangles", nothing) if survives[p] else nothing)
+        except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
+            found.append(nothing)
+    size = np.array([len(triangles) for triangles in found])
+    owner = np.repeat(np.arange(len(found)), size)
+    triangles = np.concatenate(found)
+    highest = np.maximum(np.maximum(triangles[:, 0], triangles[:, 1]), triangles[:, 2])
+    new = np.bincount(owner[highest >= np.diff(vertex_offsets)[owner]], minlength=len(found)) > 0
+    triangles = triangles + vertex_offsets[owner][:, None]
+    if new.any():  # where its segments cross, it adds vertices without a word
+        triangles, size = triangles[~new[owner]], np.where(new, 0, size)
+    return triangles, offsets_of(size)
+
+
+def _hole_points(xy, segments, segment_offsets):
+    """A point in each hole, and where those of each polygon start."""
+    offsets = _ring_offsets(segments)
+    hole = ~np.isin(offsets[:-1], segment_offsets)
+    hole_offsets = np.searchsorted(offsets[:-1][hole], segment_offsets)
+    if not hole.any():
+        return np.empty((0, 2)), hole_offsets
+    corners = np.repeat(hole, np.diff(offsets))
+    size = np.diff(offsets)[hole]
+    lines = shapely.linearrings(xy[segments[corners, 0]], indices=groups(offsets_of(size)))
+    return shapely.get_coordinates(shapely.point_on_surface(shapely.polygons(lines))), hole_offsets
+
+
+# ---------------------------------------------------------------- CDT
+
+_SUPER = 3  # CDT's own vertices, before those given: a triangle around them all
+_CDT_TRIANGLE = np.dtype([("vertices", "<u4", (3,)), ("neighbors", "<u4", (3,))])
+
+
+def _by_pythoncdt(xy, vertex_offsets, segments, segment_offsets, check):
+    import pythoncdt
+
+    auto = pythoncdt.VertexInsertionOrder.AUTO
+    no_crossings = pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED
+    local = _local(vertex_offsets, segments, segment_offsets, np.uintc)
+    # n vertices and three around them: 2 n + 1 triangles
+    offsets = offsets_of(2 * np.diff(vertex_offsets) + 1)
+    raw = np.zeros(offsets[-1], dtype=_CDT_TRIANGLE)
+    vertex, segment, place = vertex_offsets.tolist(), segment_offsets.tolist(), offsets.tolist()
+    good = _survives(xy, vertex_offsets)
+    for p in np.flatnonzero(good).tolist():
+        if p % CALLS == 0:
+            check(p / len(good))
+        try:
+            found = pythoncdt.Triangulation(auto, no_crossings, 0.0)
+            found.insert_vertices(xy[vertex[p]:vertex[p + 1]])
+            found.insert_edges(local[segment[p]:segment[p + 1]])
+            raw[place[p]:place[p + 1]] = found.triangles_array(copy=False)
+        except (RuntimeError, ValueError):  # vertices or edges that coincide or cross
+            good[p] = False
+    return _inner(raw, offsets, xy, vertex_offsets, segments, segment_offsets, good)
+
+
+def _inner(raw, offsets, xy, vertex_offsets, segments, segment_offsets, good):
+    """Of CDT's triangles those inside the polygons: its own eraser takes longer than all else.
+
+    Inside is a triangle that has a ring edge in its direction, and its neighbours across other edges.
+    Triangles without ring edges form trees of degree three, no deeper than the logarithm of their number
+    (a little more around holes): a few rounds.
+    """
+    polygon = np.repeat(np.arange(len(good), dtype=np.int32), np.diff(offsets))
+    # each polygon's vertices follow its three of CDT; three rows, as numpy takes its time for rows of three
+    shift = (vertex_offsets[:-1] + _SUPER * np.arange(len(good))).astype(np.int32)
+    corner = raw["vertices"].T.astype(np.int32, order="C")
+    corner += shift[polygon]
+    start, end = segments.T + _SUPER * (groups(segment_offsets) + 1)
+    following = np.full(len(xy) + _SUPER * len(good), -1, dtype=np.int32)
+    following[start] = end
+    ring = np.stack([following[corner[k]] == corner[k - 2] for k in range(3)])  # edges along the ring
+    several = np.bincount(start, minlength=len(following)) > 1
+    if several.any():  # rings touch
+        k, place = np.nonzero(several[corner])
+        key = corner[k, place] * np.int64(len(following)) + corner[k - 2, place]
+        ring[k, place] = np.isin(key, start * np.int64(len(following)) + end)
+
+    neighbour = raw["neighbors"].T.astype(np.int32, order="C")
+    k, place = np.nonzero(neighbour < 0)
+    neighbour += offsets[:-1].astype(np.int32)[polygon]
+    neighbour[k, place] = place  # none, at CDT's own triangle
+    inside = ring[0] | ring[1] | ring[2]
+    front = np.flatnonzero(inside)
+    while len(front):
+        near = np.concatenate([neighbour[k].take(front[~ring[k].take(front)]) for k in range(3)])
+        near = near[~inside.take(near)]
+        inside[near] = True
+        front = np.unique(near)
+
+    # input that only looked valid may come back turned over, or open to the outside
+    polygon = polygon[inside]
+    triangles = corner[:, inside] - _SUPER * (polygon + 1)
+    lowest = np.minimum(np.minimum(triangles[0], triangles[1]), triangles[2])
+    wrong = orientations(*(xy.take(corners, axis=0, mode="clip") for corners in triangles)) <= 0
+    wrong |= lowest < vertex_offsets[polygon]
+    good = good & (np.bincount(polygon[wrong], minlength=len(good)) == 0)
+    if not good.all():
+        triangles, polygon = triangles[:, good[polygon]], polygon[good[polygon]]
+    return np.ascontiguousarray(triangles.T), offsets_of(np.bincount(polygon, minlength=len(good)))
+
+
+# ---------------------------------------------------------------- GEOS
+
+
+def _by_shapely(xy, vertex_offsets, segments, segment_offsets, check):
+    """GEOS joins holes from the left; where they touch, it fails now and then, but not mirrored."""
+    count = len(vertex_offsets) - 1
+    found = [np.empty((0, 3), dtype=np.int64)]
+    owner = [np.empty(0, dtype=np.int64)]
+    waiting = np.arange(count)
+    for flip in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+        if not len(waiting):
+            break
+        mirrored = xy * flip + 0.0
+        shapes = _shapes(mirrored, segments, segment_offsets)[waiting]
+        answers = []
+        for k in range(0, len(shapes), CALLS):
+            check(k / count if len(waiting) == count else None)
+            answers.append(_by_geos(shapes[k:k + CALLS]))
+        answers = np.concatenate(answers)
+        parts, polygon = shapely.get_parts(answers, return_index=True)
+        polygon = waiting[polygon]
+        triangles = _vertices_at(shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3], polygon,
+                                 mirrored, vertex_offsets)
+        found.append(triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1])
+        owner.append(polygon)
+        waiting = waiting[shapely.is_missing(answers)]
+    triangles, owner = np.concatenate(found), np.concatenate(owner)
+    if count > 1:
+        triangles = triangles[np.argsort(owner, kind="stable")]
+    return triangles, offsets_of(np.bincount(owner, minlength=count))
+
+
+def _by_geos(shapes):
+    """Triangulations, or None where GEOS fails."""
+    try:
+        return shapely.constrained_delaunay_triangles(shapes)
+    except shapely.errors.GEOSException:
+        if len(shapes) == 1:
+            return np.array([None])
+    return np.concatenate([_by_geos(shapes[k:k + 1]) for k in range(len(shapes))])
+
+
+def _shapes(xy, segments, segment_offsets):
+    """The polygons."""
+    offsets = _ring_offsets(segments)
+    lines = shapely.linearrings(xy[segments[:, 0]], indices=groups(offsets))
+    return shapely.polygons(lines, indices=np.searchsorted(segment_offsets, offsets[:-1], side="right") - 1)
+
+
+def _vertices_at(corners, polygon, xy, vertex_offsets):
+    """The vertices of each triangle's polygon at its corners: GEOS returns coordinates as they were."""
+    # as complex numbers, points have numpy's lexicographic order
+    points, corners = (np.ascontiguousarray(x).view(np.complex128).ravel() for x in (xy, corners))
+    if len(vertex_offsets) == 2:
+        order = np.argsort(points)
+        place = np.searchsorted(points, corners, sorter=order)
+    else:  # polygons may share points
+        site, number = np.unique(points, return_inverse=True)
+        key = groups(vertex_offsets) * len(site) + number.ravel()
+        order = np.argsort(key)
+        wanted = np.repeat(polygon * len(site), 3) + np.searchsorted(site, corners)
+        place = np.searchsorted(key, wanted, sorter=order)
+    return order[np.minimum(place, len(order) - 1)].reshape(-1, 3)

@@ -1,0 +1,268 @@
+"""MinWeight on trees as deep as long (corridors, spirals), exactly, one node at a time.
+
+The same Pareto fronts as in `pareto`, with the same sums in the same order, so also the same cuts to the
+last tie; but in lists, where a node with short fronts takes microseconds and a level of the tree nothing.
+"""
+
+from __future__ import annotations
+
+from array import array
+from math import inf
+
+import numpy as np
+
+from .min_size import SLACK
+
+__all__ = ["cheapest_by_node"]
+
+MANY = 2000  # pairs of points from which on numpy adds them up faster
+STEPS = 20_000  # pairs of points, or so, between two checks
+
+
+def cheapest_by_node(count, trees, length, base, weight, limit, room, check):
+    """Cheapest assignments of trees whose fronts have at most `room` points.
+
+    Parameters
+    ----------
+    count : (n,) int
+        Number of children of each node. Nodes stand in level order, siblings in the order of their
+        parents; the first `trees` nodes are the roots.
+    trees : int
+    length, base, weight, limit : (n,) float
+        Length, summed length of the polygon edges just below, weight, longest path allowed.
+    room : int
+    check : callable
+        Called with the share done; may raise.
+
+    Returns
+    -------
+    cost : (trees,) float
+        inf for a tree with a longer front.
+    cut : (n,) bool
+        False in these trees and for the roots.
+
+    Notes
+    -----
+    O(n) calls of a loop that takes 10 microseconds for a node with few points.
+    """
+    outside = _shortest_outside(count, trees, length, base)
+    columns = [x.tolist() for x in (count, length, base, weight, limit, outside)]
+    cost, back = _fronts(columns, trees, room, check)
+    cut = _trace(columns[0], cost, *back)
+    return np.array(cost), cut
+
+
+def _shortest_outside(count, trees, length, base):
+    """As in `min_weight`, one node at a time."""
+    n = len(count)
+    count, length, face = count.tolist(), length.tolist(), base.tolist()
+    offer, outside = [0.0] * n, [inf] * n
+    end = n
+    for e in range(n - 1, -1, -1):
+        total = 0.0  # not by sum(): it rounds in another way from Python 3.12 on
+        for c in range(end - count[e], end):
+            total += offer[c]
+        end -= count[e]
+        face[e] += total
+        offer[e] = min(length[e], face[e])
+    end = trees
+    for e in range(n):
+        beyond = min(length[e], outside[e])
+        for c in range(end, end + count[e]):
+            outside[c] = face[e] - offer[c] + beyond
+        end += count[e]
+    return np.array(outside) * (1 - SLACK)
+
+
+def _fronts(columns, trees, room, check):
+    """Costs of the roots, and the way back.
+
+    The way back: for every point of every node, the points of its children, one after the other; where
+    those of a node begin; and which of its points is SELF (-1 if none).
+    """
+    count, length, base, weight, limit, outside = columns
+    end = n = len(count)
+    fronts = [None] * n
+    paths, begin, self_at = array("i"), [0] * n, [-1] * n
+    steps = 0
+    for e in range(n - 1, -1, -1):
+        end -= count[e]
+        below = fronts[end : end + count[e]]
+        fronts[end : end + count[e]] = [None] * count[e]
+        if None in below:
+            continue  # a front was too long
+        steps += 10 + max(map(_size, below), default=0)
+        if steps > STEPS:
+            steps = 0
+            check(1.0 - e / n)
+        sums = _add_children(below, base[e], weight[e], limit[e], min(length[e], outside[e]), room)
+        if sums is None:
+            continue
+        begin[e] = len(paths)
+        offer, demand, self_at[e], sources = _close(
+            *sums[:2], length[e], weight[e], limit[e], outside[e], e < trees
+        )
+        ways = sums[2]
+        if count[e] == 1:
+            paths.extend([point[2] for point in sources])
+        elif count[e] == 2:
+            paths.extend([k for point in sources for k in point[2:]])
+        elif count[e]:
+            left, right = ways
+            paths.extend([k for point in sources for k in left[point[2]] + right[point[3]]])
+        if len(offer) <= room and len(demand) <= room:
+            fronts[e] = offer, demand
+    cost = [inf if front is None else front[0][0][0] for front in fronts[:trees]]
+    return cost, (paths, begin, self_at)
+
+
+def _size(front):
+    return len(front[0]) + len(front[1])
+
+
+NEUTRAL = [(0.0, 0.0)], []
+
+
+def _add_children(fronts, base, weight, limit, reach, room):
+    """Useful sums over the children, in rounds of pairs: offers, demands, and where more than two
+    children were added up, the points of the children below the last left and right points.
+
+    Each sum is (weight, value, left point, right point). None if a front on the way is too long.
+    """
+    ways = [[(k,) for k in range(_size(front))] for front in fronts] if len(fronts) > 2 else None
+    while len(fronts) > 2:
+        joined, joined_ways = [], []
+        for k in range(0, len(fronts) - 1, 2):
+            offer, demand = _add(*fronts[k], *fronts[k + 1], base, inf, inf, inf, reach)
+            if len(offer) > room or len(demand) > room:
+                return None
+            left, right = ways[k : k + 2]
+            joined.append(([p[:2] for p in offer], [p[:2] for p in demand]))
+            joined_ways.append([left[i] + right[j] for _, _, i, j in offer + demand])
+            base = 0.0
+        odd = len(fronts) & ~1
+        fronts, ways = joined + fronts[odd:], joined_ways + ways[odd:]
+    left, right = [*fronts, NEUTRAL, NEUTRAL][:2]
+    if not (left[0] and right[0]):
+        return None
+    least = left[0][0][0] + right[0][0][0]
+    offer, demand = _add(*left, *right, base, least, least + weight, limit, reach)
+    return offer, demand, ways
+
+
+def _add(left_offer, left_demand, right_offer, right_demand, base, least, dear, limit, reach):
+    """Pareto fronts of the sums of the points of two edges; see `min_weight._Pass._product`.
+
+    Offers are useful below the weight `dear` and within the limit, the cheapest always; demands below
+    the weight `least`, if what they allow covers the reach.
+    """
+    return (
+        _front(_sums(left_offer, right_offer, 0, 0, base, dear, limit, least)),
+        _front(
+            _sums(left_offer, right_demand, 0, len(right_offer), base, least, -reach, None)
+            + _sums(left_demand, right_offer, len(left_offer), 0, base, least, -reach, None)
+        ),
+    )
+
+
+def _sums(left, right, i, j, base, weight_cap, value_cap, least):
+    """Sums (weight, value, left point, right point) below the caps, and those of the least weight."""
+    if len(left) * len(right) > MANY:
+        return _many_sums(left, right, i, j, base, weight_cap, value_cap, least)
+    sums = []
+    for at, (left_weight, left_value) in enumerate(left, i):
+        left_value += base
+        for partner, (weight, value) in enumerate(right, j):
+            weight += left_weight
+            if weight >= weight_cap and weight != least:
+                break  # so do all that follow
+            value += left_value
+            if value <= value_cap or weight == least:
+                sums.append((weight, value, at, partner))
+    return sums
+
+
+def _many_sums(left, right, i, j, base, weight_cap, value_cap, least):
+    left_weight, left_value = np.array(left).T
+    right_weight, right_value = np.array(right).T
+    weight = left_weight[:, None] + right_weight
+    value = (left_value + base)[:, None] + right_value
+    useful = (weight < weight_cap) & (value <= value_cap)
+    if least is not None:
+        useful |= weight == least
+    at, partner = np.nonzero(useful)
+    weight, value = weight[useful], value[useful]
+    order = np.lexsort((value, weight))
+    best = np.minimum.accumulate(value[order])
+    order = order[np.append(True, best[1:] < best[:-1])] if len(order) else order
+    columns = weight[order], value[order], at[order] + i, partner[order] + j
+    return list(zip(*(x.tolist() for x in columns)))
+
+
+def _front(sums):
+    """The sums that no other dominates; of equal ones the first."""
+    if len(sums) < 2:
+        return sums
+    sums.sort()
+    best, front = inf, []
+    for point in sums:
+        if point[1] < best:
+            best = point[1]
+            front.append(point)
+    return front
+
+
+def _close(offer, demand, length, weight, limit, outside, root):
+    """Fronts of a node from the sums below; see `min_weight._Pass._close`.
+
+    Returns its offers, its demands, which of them is SELF, and the sums below all of them.
+    """
+    cheapest = below = offer[0]
+    for point in demand:
+        if point[1] <= -length:  # serves the demand
+            if point[0] < cheapest[0]:
+                below = point
+            break
+    own = below[0] + weight
+    if root:
+        return [(own, length)], [], 0, [below]
+
+    sources = [point for point in offer if point[1] <= limit and point[0] < own]
+    offers = [point[:2] for point in sources]
+    cap = min(offers[0][0], own) if offers else own
+    self_at = -1
+    if not offers or offers[-1][1] > length:
+        self_at = len(offers)
+        offers.append((own, length))
+        sources.append(below)
+
+    demands, most = [], 0.0
+    for point in demand:
+        if point[0] >= cap:
+            break
+        if point[1] <= -outside:
+            value = max(point[1], -limit)
+            if not demands or value < most:
+                demands.append((point[0], value))
+                sources.append(point)
+                most = value
+    if cheapest[0] < cap and most > -limit and limit >= outside:
+        demands.append((cheapest[0], -limit))
+        sources.append(cheapest)
+    return offers, demands, self_at, sources
+
+
+def _trace(count, cost, paths, begin, self_at):
+    """Selected edges of the cheapest assignment of each root."""
+    n, trees = len(count), len(cost)
+    point = [0 if c < inf else -1 for c in cost] + [-1] * (n - trees)
+    cut = np.zeros(n, bool)
+    end = trees
+    for e in range(n):
+        if point[e] >= 0:
+            cut[e] = point[e] == self_at[e]
+            at = begin[e] + point[e] * count[e]
+            point[end : end + count[e]] = paths[at : at + count[e]]
+        end += count[e]
+    cut[:trees] = False
+    return cut

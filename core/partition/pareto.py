@@ -1,0 +1,341 @@
+"""Pareto fronts of many edges at once, and their algebra.
+
+Two fronts per edge, weight ascending, value strictly descending:
+
+* *offer*: assignments with e as LEAF or SELF, value = front-length L (the length ||e|| if SELF);
+* *demand*: assignments with e as ROOT, value = minus the front-allowance R.
+
+With that sign both are minimised, and children combine by plain addition: two offers add up to an
+offer, an offer and a demand to a demand (what the sibling's path uses up of the allowance), and
+two demands never meet (Lemma 1 of the paper).
+
+The fronts of all edges of a level stand one after the other in flat arrays. Nothing here mixes edges:
+what becomes of a front is the same, to the last bit, whatever stands beside it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = [
+    "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
+    "offsets", "pack", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
+]  # fmt: skip
+
+CHUNK = 1 << 18  # pairs of points handled in one numpy call
+DENSE = 3000  # pairs from which on one edge is worth numpy calls of its own
+ROWS = 16  # rows looked at by the quick dominance test
+TABLE = 1024  # cells of a tabulated rest
+FIXED = 40  # binary places of the position along a front, an integer: sums of integers are exact
+
+
+class Front:
+    """The fronts of many edges, one after the other: offer of edge 0, demand of edge 0, ...
+
+    Segment s holds the points ptr[s]:ptr[s+1]; edge k owns the segments 2k and 2k+1.
+    ``left`` and ``right`` say which two points of the children were added up (SELF and ROOT keep
+    those of the assignment below them), ``cut`` whether the edge itself is selected. ``rest`` is
+    a bound on the cost outside, ``floor`` its minimum per edge.
+    """
+
+    __slots__ = (
+        "ptr", "weight", "value", "left", "right", "cut", "rest", "floor", "_key", "_least"
+    )  # fmt: skip
+
+    def __init__(self, ptr, weight, value, left=None, right=None, cut=None):
+        self.ptr, self.weight, self.value = ptr, weight, value
+        self.left, self.right, self.cut = left, right, cut
+        self.rest = self.floor = self._key = self._least = None
+
+    def segments(self):
+        """Segment of every point."""
+        return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
+
+    def take(self, points, segments):
+        """Sub-front of some points (ascending) that lie in the given segments."""
+        ptr = offsets(np.bincount(segments, minlength=len(self.ptr) - 1))
+        pick = [None if x is None else x[points] for x in (self.left, self.right, self.cut)]
+        return Front(ptr, self.weight[points], self.value[points], *pick)
+
+    def of_edges(self, edges):
+        """The values and rests of some edges (ascending) only."""
+        segments = np.repeat(2 * edges, 2)
+        segments[1::2] += 1
+        size = np.diff(self.ptr)[segments]
+        points = ranges(self.ptr[segments], size)
+        part = Front(offsets(size), None, self.value[points])
+        part.rest, part.floor = self.rest[points], self.floor[edges]
+        return part
+
+    def with_neutral(self):
+        """With an edge more that offers nothing at no cost: the partner of an unpaired child."""
+        ptr = np.append(self.ptr, [self.ptr[-1] + 1] * 2)
+        return Front(ptr, np.append(self.weight, 0.0), np.append(self.value, 0.0))
+
+    def cheapest(self):
+        """Weight of each edge's cheapest offer; inf if there is none."""
+        least = np.full(len(self.ptr) >> 1, np.inf)
+        some = np.flatnonzero(self.ptr[1::2] > self.ptr[:-1:2])
+        least[some] = self.weight[self.ptr[2 * some]]
+        return least
+
+    def rest_at(self, segment, value, rounded=False):
+        """Bound on the rest for arbitrary values: that of the first point at least as good.
+
+        Where no point is as good, the better ones were dropped as hopeless. A demand may also have
+        been dropped for a cheaper offer, whose rest is bounded by the floor of the edge.
+
+        A value that was rounded down may find a later point than it should, one that is too dear
+        to matter (infinite rest) though an earlier one is not. So it gets the least rest up to
+        that point, and the floor where there is none.
+        """
+        if self._key is None:
+            self._key = pack(self.segments(), -self.value)
+        found = np.searchsorted(self._key, pack(segment, -value))
+        missing = found >= self.ptr[segment + 1]
+        rest = np.full(len(value), np.inf)
+        rest[~missing] = (self._least_rest() if rounded else self.rest)[found[~missing]]
+        edge = segment[missing]
+        rest[missing] = np.where(rounded | (edge & 1 == 1), self.floor[edge >> 1], np.inf)
+        return rest
+
+    def forget_index(self):
+        """Free what `rest_at` keeps to be fast."""
+        self._key = self._least = None
+
+    def _least_rest(self):
+        """The running minimum of the rest along each segment."""
+        if self._least is None:
+            # the major key falls from segment to segment, so the minimum restarts by itself
+            self._least = np.minimum.accumulate(pack(-self.segments(), self.rest)).imag
+        return self._least
+
+
+class Join:
+    """One round of adding up children: of which edges of `front`, and with which base on top."""
+
+    __slots__ = ("front", "left", "right", "base")
+
+    def __init__(self, front, left, right, base):
+        self.front, self.left, self.right, self.base = front, left, right, base
+
+
+def offsets(count):
+    """0 and the running sums."""
+    return np.concatenate(([0], np.cumsum(count)))
+
+
+def pack(major, minor):
+    """Key that numpy sorts and minimises by (major, minor), exactly: complex is lexicographic."""
+    key = np.empty(len(minor), complex)
+    key.real = major
+    key.imag = minor
+    return key
+
+
+def ranges(start, count):
+    """start[0], start[0]+1, ... (count[0] numbers), start[1], ..."""
+    end = np.cumsum(count)
+    total = int(end[-1]) if len(end) else 0
+    return np.arange(total) + np.repeat(start - end + count, count)
+
+
+def pareto(segment, weight, value):
+    """Points that no other of the same segment dominates, sorted by (segment, weight).
+
+    Of equal points the first remains. O(N log N). Returns their positions and segments.
+    """
+    order = np.argsort(pack(segment, weight), kind="stable")
+    seg, val = segment[order], value[order]
+    # the major key falls from segment to segment, so the running minimum restarts by itself
+    best = np.minimum.accumulate(pack(-seg, val)).imag
+    keep = np.ones(len(order), bool)
+    keep[1:] = (seg[1:] != seg[:-1]) | (val[1:] < best[:-1])
+    order, seg = order[keep], seg[keep]
+    w = weight[order]
+    keep = np.ones(len(order), bool)
+    keep[:-1] = (seg[1:] != seg[:-1]) | (w[1:] != w[:-1])
+    return order[keep], seg[keep]
+
+
+def sizes(front, left, right):
+    """Numbers of points: offer and demand of the left, offer and demand of the right."""
+    size = np.diff(front.ptr)
+    return size[2 * left], size[2 * left + 1], size[2 * right], size[2 * right + 1]
+
+
+def pair_count(front, left, right):
+    """Number of pairs of points that can be added up, for each left and right edge."""
+    offer_l, demand_l, offer_r, demand_r = sizes(front, left, right)
+    return offer_l * (offer_r + demand_r) + demand_l * offer_r
+
+
+def small_pairs(front, left, right, items):
+    """All pairs of points of the given items, in chunks: item, is it a demand, point, point."""
+    offer_l, demand_l, offer_r, demand_r = sizes(front, left[items], right[items])
+    total = np.cumsum(offer_l * (offer_r + demand_r) + demand_l * offer_r)
+    a = 0
+    while a < len(items):
+        done = total[a - 1] if a else 0
+        b = max(a + 1, int(np.searchsorted(total, done + CHUNK, "right")))
+        it = items[a:b]
+        points = offer_l[a:b] + demand_l[a:b]
+        own = np.repeat(np.arange(a, b), points)
+        i = ranges(front.ptr[2 * left[it]], points)
+        demand = i >= front.ptr[2 * left[items[own]] + 1]
+        partners = np.where(demand, offer_r[own], offer_r[own] + demand_r[own])
+        j = ranges(front.ptr[2 * right[items[own]]], partners)
+        item = items[np.repeat(own, partners)]
+        demand = np.repeat(demand, partners) | (j >= front.ptr[2 * right[item] + 1])
+        yield item, demand, np.repeat(i, partners), j
+        a = b
+
+
+def blocks(front, left, right):
+    """The three products of one item: is it a demand, points of the left, points of the right."""
+    offer_l, demand_l, offer_r, demand_r = (
+        slice(front.ptr[s], front.ptr[s + 1])
+        for s in (2 * left, 2 * left + 1, 2 * right, 2 * right + 1)
+    )
+    for demand, x, y in ((0, offer_l, offer_r), (1, offer_l, demand_r), (1, demand_l, offer_r)):
+        rows = max(1, CHUNK // max(1, y.stop - y.start))
+        if y.stop > y.start:
+            for a in range(x.start, x.stop, rows):
+                yield demand, slice(a, min(a + rows, x.stop)), y
+
+
+def dense_pairs(front, left, right, base, value_cap, weight_cap, least, check):
+    """Useful sums of one item with many pairs: is it a demand, point, point, weight, value."""
+    parts = []
+    for demand, x, y in blocks(front, left, right):
+        check()
+        wx, vx, wy, vy = front.weight[x], front.value[x] + base, front.weight[y], front.value[y]
+        useful, weight = _undominated(wx, vx, wy, vy)
+        useful &= weight < weight_cap[demand]
+        value = vx[:, None] + vy
+        useful &= value <= value_cap[demand]
+        if not demand and weight[0, 0] == least:
+            useful[0, 0] = True
+        k = np.flatnonzero(useful)
+        i, j = np.divmod(k, len(wy))
+        parts.append(
+            (np.full(len(k), demand), i + x.start, j + y.start, weight.ravel()[k], value.ravel()[k])
+        )
+    return [np.concatenate(x) for x in zip(*parts)]
+
+
+def _undominated(wx, vx, wy, vy):
+    """Mask over the outer sum: pairs that a quick test cannot show to be dominated.
+
+    For each of some thresholds t the best value of weight <= t is found among some of the rows;
+    a pair at or above t with a worse value is dominated.
+    """
+    weight = wx[:, None] + wy
+    low, high = weight[0, 0], weight[-1, -1]
+    width = high - low
+    if not width > 0:
+        return np.ones(weight.shape, bool), weight
+    cells = len(wy)
+    step = width / cells
+    some = slice(None, None, 1 + len(wx) // ROWS)
+    threshold = low + step * np.arange(cells)
+    j = np.searchsorted(wy, threshold - wx[some, None], "right") - 1
+    value = np.where(j >= 0, vx[some, None] + vy[j], np.inf)
+    # rounding may place t - w(x) a hair beside w(y): one cell of distance makes that harmless
+    best = np.concatenate(([np.inf] * 2, np.minimum.accumulate(value.min(axis=0))))
+    cell = ((weight - low) * (1 / step)).astype(np.int32)
+    return vx[:, None] + vy <= best[cell + 1], weight
+
+
+def first_points(node, points, weight, n):
+    """Weight and position of each node's first one of some points (ascending); inf and 0 if none."""
+    nodes = node[points]
+    at = np.flatnonzero(np.diff(nodes, prepend=-1))
+    best, where = np.full(n, np.inf), np.zeros(n, np.int64)
+    where[nodes[at]] = points[at]
+    best[nodes[at]] = weight[points[at]]
+    return best, where
+
+
+def assemble(whole, keep, seg, value, own, root=None):
+    """Fronts of the points to keep, with SELF behind the offers and full ROOT behind the demands.
+
+    `own` and `root` are (for which nodes, weight, value, point of `whole` below it).
+    """
+    segments = len(whole.ptr) - 1
+    add = np.zeros(segments, np.int64)
+    add[::2] = own[0]
+    if root is not None:
+        add[1::2] = root[0]
+    ptr = offsets(np.bincount(seg[keep], minlength=segments) + add)
+    source = np.empty(ptr[-1], np.int64)
+    weights, values, cut = np.empty(ptr[-1]), np.empty(ptr[-1]), np.zeros(ptr[-1], bool)
+    at = np.arange(len(keep)) + offsets(add)[seg[keep]]
+    source[at], weights[at], values[at] = keep, whole.weight[keep], value[keep]
+    for kind, extra in enumerate((own, root)):
+        if extra is not None:
+            nodes = np.flatnonzero(extra[0])
+            at = ptr[2 * nodes + kind + 1] - 1
+            weights[at], values[at], source[at] = (x[nodes] for x in extra[1:])
+            cut[at] = kind == 0
+    if whole.left is None:
+        return Front(ptr, weights, values)
+    return Front(ptr, weights, values, whole.left[source], whole.right[source], cut)
+
+
+def groups(front, long, allowed, base, slack=None):
+    """First point of every group of long fronts; points of the other fronts are groups of their own.
+
+    The groups are steps of equal length along the (normalised) front, finer where the slack is
+    small; without a slack, near the cheapest point.
+
+    Parameters
+    ----------
+    front : Front
+    long : (s,) int
+        Segments to be grouped; each has at least two points.
+    allowed : (s,) int
+        Largest number of groups in each.
+    base : (s,) float
+        What is added to the slack.
+    slack : (points,) float, optional
+    """
+    first, last = front.ptr[long], front.ptr[long + 1] - 1
+    size = last - first + 1
+    at = ranges(first, size)
+    own = np.repeat(np.arange(len(long)), size)
+    begin = np.cumsum(size) - size
+    weight, value = front.weight[at], front.value[at]
+    width = (front.weight[last] - front.weight[first])[own]
+    step = np.diff(weight, prepend=0.0) / width
+    step -= np.diff(value, prepend=0.0) / (front.value[first] - front.value[last])[own]
+    if slack is None:
+        step /= (weight - front.weight[first][own]) / width + base[own]
+    else:
+        near = np.minimum(slack[at], slack[np.maximum(at - 1, 0)])
+        step /= near + base[own]
+    step[begin] = 0.0
+    # in integers: sums of floats would depend on the fronts before
+    total = np.add.reduceat(step, begin)[own]
+    along = np.cumsum((step * (2.0**FIXED / total)).astype(np.int64))
+    along -= along[begin][own]
+    whole = along[begin + size - 1][own]
+    group = np.floor(along * ((allowed - 1)[own] / whole))
+    head = np.ones(len(front.weight), bool)
+    head[at[1:]] = (group[1:] != group[:-1]) | (own[1:] != own[:-1])
+    return np.flatnonzero(head)
+
+
+def tabulated(rest, segment, vx, vy):
+    """Rest of all sums of vx and vy, rounded down to the lower end of a cell of a table."""
+    value = vx[:, None] + vy
+    low = value[-1, -1]  # values descend
+    width = value[0, 0] - low
+    if not width > 0:
+        return np.broadcast_to(rest(np.array([segment]), np.array([low])), value.shape)
+    step = width / TABLE
+    # a millionth of a cell below its end: rounding can never lift a value into a better cell
+    table = rest(np.full(TABLE + 1, segment), low + step * (np.arange(TABLE + 1) - 1e-6), True)
+    value -= low
+    value *= 1 / step
+    return table[value.astype(np.int32)]

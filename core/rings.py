@@ -1,0 +1,269 @@
+"""The one layout of polygons: coordinates, ring offsets and polygon offsets, and its few operations.
+
+It is that of GeoArrow and of shapely's ``to_ragged_array``, but no ring repeats its first vertex: ring i has
+the rows ``offsets[i]`` to ``offsets[i + 1] - 1``, polygon p the rings ``polygon_offsets[p]`` to
+``polygon_offsets[p + 1] - 1``, its shell first. Whatever is *ragged* here is such a pair of flat values and
+offsets, and a *group* is what lies between two offsets.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+__all__ = ["Rings", "cycles", "following", "groups", "offsets_of", "one_polygon", "previous", "ranges", "running",
+           "shapes", "signed_areas", "take"]
+
+
+class Rings(NamedTuple):
+    """Polygons as flat arrays.
+
+    Attributes
+    ----------
+    coords : (k, d) float, d >= 2
+        x, y and what rides along, one row a vertex.
+    offsets : (r + 1,) int
+        Where each ring starts.
+    polygon_offsets : (p + 1,) int
+        Where the rings of each polygon start.
+    """
+
+    coords: np.ndarray
+    offsets: np.ndarray
+    polygon_offsets: np.ndarray
+
+
+def one_polygon(coords: np.ndarray, offsets: np.ndarray) -> Rings:
+    """Return the rings of a single polygon as `Rings`.
+
+    Examples
+    --------
+    >>> one_polygon(np.zeros((3, 2)), [0, 3]).polygon_offsets
+    array([0, 1])
+    """
+    offsets = np.asarray(offsets, dtype=np.int64)
+    return Rings(np.asarray(coords), offsets, np.array([0, len(offsets) - 1]))
+
+
+def offsets_of(sizes: np.ndarray) -> np.ndarray:
+    """Return the offsets of groups of these sizes.
+
+    Examples
+    --------
+    >>> offsets_of([2, 0, 3])
+    array([0, 2, 2, 5])
+    """
+    offsets = np.zeros(len(sizes) + 1, dtype=np.int64)
+    np.cumsum(sizes, out=offsets[1:])
+    return offsets
+
+
+def groups(offsets: np.ndarray) -> np.ndarray:
+    """Return the group of each element.
+
+    Examples
+    --------
+    >>> groups(np.array([0, 2, 2, 5]))
+    array([0, 0, 2, 2, 2])
+    """
+    return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+
+
+def following(offsets: np.ndarray) -> np.ndarray:
+    """Return the element after each in its group, the first after the last.
+
+    Examples
+    --------
+    >>> following(np.array([0, 3, 5]))
+    array([1, 2, 0, 4, 3])
+    """
+    after = np.arange(1, offsets[-1] + 1)
+    some = offsets[1:] > offsets[:-1]
+    after[offsets[1:][some] - 1] = offsets[:-1][some]
+    return after
+
+
+def previous(offsets: np.ndarray) -> np.ndarray:
+    """Return the element before each in its group, the last before the first.
+
+    Examples
+    --------
+    >>> previous(np.array([0, 3, 5]))
+    array([2, 0, 1, 4, 3])
+    """
+    before = np.arange(-1, offsets[-1] - 1)
+    some = offsets[1:] > offsets[:-1]
+    before[offsets[:-1][some]] = offsets[1:][some] - 1
+    return before
+
+
+def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Return start[0], start[0] + 1, ... (count[0] numbers), start[1], ...
+
+    Examples
+    --------
+    >>> ranges(np.array([5, 0]), np.array([2, 3]))
+    array([5, 6, 0, 1, 2])
+    """
+    end = np.cumsum(count)
+    total = int(end[-1]) if len(end) else 0
+    return np.arange(total) + np.repeat(start - end + count, count)
+
+
+def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the elements of some groups, and the offsets of these alone.
+
+    Examples
+    --------
+    >>> take(np.array([0, 2, 3, 5]), np.array([2, 0]))
+    (array([3, 4, 0, 1]), array([0, 2, 4]))
+    """
+    size = np.diff(offsets)[which]
+    return ranges(offsets[:-1][which], size), offsets_of(size)
+
+
+def running(values: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sum of the values before each one in its group, and of all values of each group.
+
+    Parameters
+    ----------
+    values : (k,) float
+        Finite and not negative.
+    offsets : (g + 1,) int
+
+    Returns
+    -------
+    before : (k,) float
+    total : (g,) float
+
+    Notes
+    -----
+    In integers, 2**62 to the total of a group: they add up exactly, so that a group does not depend on
+    the digits of those before it (a sum of floats over all groups would lose them). O(k).
+
+    Examples
+    --------
+    >>> running(np.array([1.0, 2.0, 4.0, 8.0]), np.array([0, 3, 4]))
+    (array([0., 1., 3., 0.]), array([7., 8.]))
+    """
+    some = offsets[1:] > offsets[:-1]
+    total = np.zeros(len(some))
+    if not len(values):
+        return np.zeros(0), total
+    total[some] = np.add.reduceat(values, offsets[:-1][some])
+    exponent = 61 - np.frexp(total)[1]
+    of = groups(offsets)
+    steps = np.rint(np.ldexp(values, exponent[of])).astype(np.int64)
+    passed = np.cumsum(steps) - steps  # overflows, which subtraction undoes
+    passed -= passed[offsets[:-1][some]].repeat(np.diff(offsets)[some])
+    return np.ldexp(passed.astype(float), -exponent[of]), total
+
+
+def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """Return the signed areas of rings, counter-clockwise positive.
+
+    Parameters
+    ----------
+    xy : (k, 2) float
+    offsets : (r + 1,) int
+        No ring is empty.
+
+    Examples
+    --------
+    >>> signed_areas(np.array([[0, 0], [2, 0], [2, 1], [0, 1.0]]), np.array([0, 4]))
+    array([2.])
+    """
+    if not len(xy):
+        return np.zeros(0)
+    first = np.repeat(offsets[:-1], np.diff(offsets))
+    x, y = (xy - xy[first]).T  # near the origin the shoelace formula cancels least
+    after = following(offsets)
+    return 0.5 * np.add.reduceat(x * y[after] - x[after] * y, offsets[:-1])
+
+
+def shapes(xy: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray) -> np.ndarray:
+    """Return polygons as shapely geometries; each has a ring, and each ring three vertices.
+
+    Examples
+    --------
+    >>> shapes(np.array([[0, 0], [2, 0], [2, 1.0]]), np.array([0, 3]), np.array([0, 1]))[0].area
+    1.0
+    """
+    lines = shapely.linearrings(xy, indices=groups(offsets))
+    if len(lines) == len(polygon_offsets) - 1:
+        return shapely.polygons(lines)
+    return shapely.polygons(lines, indices=groups(polygon_offsets))
+
+
+def cycles(point: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Split closed walks where they meet themselves.
+
+    Parameters
+    ----------
+    point : (k,) int
+        What is passed at each place.
+    offsets : (w + 1,) int
+        Where each walk starts.
+
+    Returns
+    -------
+    place : (k',) int
+        Places of all cycles, one after the other; those of fewer than three are left out (an edge there
+        and back).
+    cycle_offsets : (c + 1,) int
+    walk : (c,) int
+        The walk that each cycle was part of, ascending.
+
+    Notes
+    -----
+    O(k log k); a loop only over places whose point is passed more than once.
+
+    Examples
+    --------
+    >>> cycles(np.array([0, 1, 2, 0, 3, 4]), np.array([0, 6]))
+    (array([0, 1, 2, 3, 4, 5]), array([0, 3, 6]), array([0, 0]))
+    """
+    k, of = len(point), groups(offsets)
+    order = np.lexsort((point, of))
+    same = (point[order][1:] == point[order][:-1]) & (of[order][1:] == of[order][:-1])
+    repeated = np.zeros(k, dtype=bool)
+    repeated[order[1:][same]] = repeated[order[:-1][same]] = True
+    if not repeated.any():
+        return np.arange(k), np.asarray(offsets), np.arange(len(offsets) - 1)
+    # runs: from a place with a repeated point, or the start of a walk, to the next such place
+    head = repeated.copy()
+    head[offsets[:-1]] = True
+    head = np.flatnonzero(head)
+    size = np.diff(np.append(head, k))
+    label = np.where(repeated[head], point[head], -1).tolist()
+    owner = of[head].tolist()
+    pieces, lengths, walks = [], [], []
+    stack, depth = [], {}
+
+    def close(base):
+        found = stack[base:]
+        del stack[base:]
+        for run in found:
+            depth.pop(label[run], None)
+        pieces.extend(found)
+        lengths.append(len(found))
+        walks.append(owner[found[0]])
+
+    for run, name in enumerate(label):
+        if stack and owner[stack[-1]] != owner[run]:
+            close(0)
+        if name in depth:
+            close(depth[name])
+        if name >= 0:
+            depth[name] = len(stack)
+        stack.append(run)
+    close(0)
+    pieces = np.array(pieces)
+    place = ranges(head[pieces], size[pieces])
+    count = np.add.reduceat(size[pieces], offsets_of(lengths)[:-1])
+    long = np.flatnonzero(count > 2)
+    long = long[np.argsort(np.array(walks)[long], kind="stable")]
+    index, cycle_offsets = take(offsets_of(count), long)
+    return place[index], cycle_offsets, np.array(walks)[long]
