@@ -288,7 +288,7 @@ def _areas(rings, which, measure):
 
 def weigh_by_length(chunk, near, prepared):
     """Weights of MinLength."""
-    return prepared.length, {}
+    return prepared.chord, {}
 
 
 def weigh_by_expression(text, source, lines, context):
@@ -323,7 +323,7 @@ def weigh_by_expression(text, source, lines, context):
         weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)
         for k, (geometry, p, f, length, detour) in enumerate(
-            zip(geometries, polygon.tolist(), feature_of, prepared.length.tolist(),
+            zip(geometries, polygon.tolist(), feature_of, prepared.chord.tolist(),
                 prepared.detour.tolist())
         ):
             if p in reasons:

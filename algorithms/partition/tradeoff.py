@@ -268,7 +268,7 @@ def _curves(problem, low, high, most, check):
         mine = solved[prepared.owner[selection.selected]]
         cuts = np.bincount(of_cut[mine], minlength=count)
         length = np.bincount(
-            of_cut[mine], weights=prepared.length[selection.selected[mine]], minlength=count
+            of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count
         )
         part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
         mine = solved[part_polygon]

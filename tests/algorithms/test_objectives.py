@@ -90,11 +90,20 @@ def test_a_budget_of_length(run, rooms):
     assert less["COST"] > 3.0
 
 
-def test_a_search_that_ends_early_says_so(run, rooms, feedback, monkeypatch):
+def western_europe(layer):
+    """A layer with an outline that is not solved at once."""
+    path = Path(__file__).parents[1] / "data" / "western_europe.csv"
+    outline = shapely.Polygon(np.loadtxt(path, delimiter=",", skiprows=1)).simplify(0.32)
+    return layer("Polygon?crs=EPSG:4326", [(outline.wkt, [])])
+
+
+def test_a_search_that_ends_early_says_so(run, layer, feedback, monkeypatch):
     from isthmus.algorithms.partition import partition as tool
 
     monkeypatch.setattr(tool, "TIME_LIMIT", 0.0)
-    results = partition(run, rooms, feedback, TAU=2, OBJECTIVE="MinLength", MAX_GAP=0)
+    results = partition(
+        run, western_europe(layer), feedback, TAU=6, OBJECTIVE="MinLength", MAX_GAP=0
+    )
     assert results["LOWER_BOUND"] < results["COST"]
     (warning,) = feedback.warnings
     assert "gap" in warning
@@ -107,10 +116,6 @@ def test_a_search_that_ends_early_says_so(run, rooms, feedback, monkeypatch):
 @pytest.mark.parametrize("tau", [6, 8, 20, 30])
 def test_no_warning_where_the_gap_is_the_one_allowed(run, layer, feedback, tau):
     """A bound that just reaches the target may miss it by a rounding error: that is no lack of time."""
-    path = Path(__file__).parents[1] / "data" / "western_europe.csv"
-    ring = np.loadtxt(path, delimiter=",", skiprows=1)
-    outline = shapely.Polygon(ring).simplify(0.32)
-    source = layer("Polygon?crs=EPSG:4326", [(outline.wkt, [])])
-    results = partition(run, source, feedback, TAU=tau, OBJECTIVE="MinLength")
-    assert results["COST"] > results["LOWER_BOUND"] > 0
+    results = partition(run, western_europe(layer), feedback, TAU=tau, OBJECTIVE="MinLength")
+    assert results["COST"] >= results["LOWER_BOUND"] > 0
     assert not feedback.warnings

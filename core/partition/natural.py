@@ -1,0 +1,655 @@
+"""Where people would cut: the diagonals that are candidates for natural parts.
+
+Section 4.2 of the paper lets any set of diagonals be the candidates, and the solver's proof holds
+for each. This stage chooses that set by what research on perception found, at one scale:
+
+* **Smallest part.** A part too small to matter on the map is none (part salience grows with the
+  relative area: Hoffman and Singh 1997, Cognition 63).
+* **Minima rule** (Hoffman and Richards 1984, Cognition 18): parts meet where the outline is
+  concave, here at the scale of the diagonal itself.
+* **Short-cut rule** (Singh, Seyranian and Hoffman 1999, Perception & Psychophysics 61): of cuts
+  that do the same, the shortest. Beside a base or a neck the polygon widens (the parts of Siddiqi
+  and Kimia 1995, IEEE PAMI 17); in an even limb it does not, and there is nothing to cut.
+* **A corner is used once.** Short and sharp cuts come first, as in the models of Luo et al. 2015
+  and of Papanelopoulos and Avrithis 2015 (BMVC); what is left of the outline must still be concave
+  for another cut. So a body is not cut across from the foot of one limb to that of another.
+
+Everything along the outline, the detours of the solver too, is measured on an outline generalised
+to the scale of the smallest part; cuts and triangulation are those of the original vertices.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect
+from math import atan2, degrees, dist, hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from .polygon import Polygons
+from ..metric import Metric
+from ..rings import following, groups
+
+__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED", "bends",
+           "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
+
+# Why a diagonal is no candidate. Each diagonal has the first that holds.
+RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
+
+LEVELS = 8  # classes of small detail, each a quarter of the next
+DETAIL = 0.02  # detail below this share of the smallest part is not measured ...
+SCALES = 5  # ... and lengths along the outline are the mean over so many scales, each twice the last
+REACH = 0.5  # bends and widening are measured within this share of the diagonal's length
+BENT = 20.0  # degrees: least sum of the bends at both ends
+LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
+WIDER = 1.15  # an edge of a triangle beside the diagonal is so much longer ...
+STEP = 1.3  # ... or a diagonal within reach on one side is ...
+TAPER = 0.7  # ... and none within reach on the other side is shorter than this
+
+
+class Natural(NamedTuple):
+    """The candidates for natural parts, and the outline's lengths at their scale.
+
+    Attributes
+    ----------
+    kept : (k,) bool
+        The diagonals that are candidates.
+    edge_length : (c,) float
+        Length of the polygon edge that leaves each corner, on the generalised outline.
+    share : (k,) float
+        Area of the smaller side as a share of the polygon's, holes included in both; NaN where a
+        diagonal joins two rings and has no sides.
+    why : (k,) int8
+        KEPT, or the rule that sets the diagonal aside: SMALL (part), STRAIGHT (outline at its ends),
+        EVEN (width beside it), USED (its corners, by shorter cuts).
+    """
+
+    kept: np.ndarray
+    edge_length: np.ndarray
+    share: np.ndarray
+    why: np.ndarray
+
+
+class Outline(NamedTuple):
+    """The rings of a chunk, generalised: a subset of their corners, joined by straight edges.
+
+    Attributes
+    ----------
+    corner : (g,) int
+        The corners that stay, ascending.
+    point : (g, d) float
+        Where they are.
+    passed : (g + 1,) float
+        Length of all edges before each of them, in the order of the corners.
+    following : (g,) int
+        The next one on the same ring.
+    ring_start : (r + 1,) int
+        Ring k has the places ``ring_start[k]`` to ``ring_start[k + 1] - 1``.
+    edge_length : (c,) float
+        For each edge of the original outline, its share of the generalised edge it lies on.
+    along : (c,) float
+        Distance of each original corner from the ring's first place on the generalised outline.
+    """
+
+    corner: np.ndarray
+    point: np.ndarray
+    passed: np.ndarray
+    following: np.ndarray
+    ring_start: np.ndarray
+    edge_length: np.ndarray
+    along: np.ndarray
+
+
+def natural(
+    polygons: Polygons, edges: np.ndarray, triangles: np.ndarray, position: np.ndarray,
+    measure: Metric, smallest: np.ndarray,
+) -> Natural:
+    """Choose the diagonals of polygons where people would cut.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    edges : (k, 2) int
+        Vertex indices u < v of the diagonals of a triangulation.
+    triangles : (t, 3) int
+        Vertex indices of its triangles.
+    position : (n, 2 or 3) float
+        Where the vertices are for ``measure.length``: in the plane, or geocentric.
+    measure : metric.Metric
+    smallest : (p,) float
+        Area of the smallest part of each polygon, in the units of ``measure.equal_area``.
+
+    Returns
+    -------
+    Natural
+
+    Notes
+    -----
+    O(n log n), but for the diagonals within reach of those that only a step could keep.
+    """
+    ring, vertex, offsets = polygons.ring_of_corner, polygons.vertex, polygons.offsets
+    polygon_offsets, polygon_of_ring = polygons.polygon_offsets, polygons.polygon_of_ring
+    smallest = np.broadcast_to(np.asarray(smallest, dtype=float), len(polygon_offsets) - 1)
+    corner = _corners(polygons, edges)
+    plane = measure.equal_area(polygons.xy)[vertex]
+    first = np.repeat(offsets[polygon_offsets[:-1]], np.diff(offsets[polygon_offsets]))
+    plane = plane - plane[first]  # near its origin, terms of areas cancel least
+    length = measure.length(position, edges[:, 0], edges[:, 1])
+    edge_length = measure.length(position, vertex, vertex[polygons.next_corner])
+    polygon = polygon_of_ring[ring[corner[:, 0]]]
+
+    share, area = shares(plane, offsets, polygon_offsets, corner)
+    outline, measured = _outlines(
+        plane, position[vertex], offsets, edge_length, DETAIL * smallest[polygon_of_ring]
+    )
+    why = np.full(len(edges), KEPT, dtype=np.int8)
+    why[share * area[polygon] < smallest[polygon]] = SMALL
+    large = why == KEPT
+
+    left = np.flatnonzero(large)
+    bend = np.zeros(len(edges))
+    bend[left] = bends(outline, ring, corner[left], length[left]).sum(axis=1)
+    why[large & (bend < BENT)] = STRAIGHT
+
+    left = np.flatnonzero(why == KEPT)
+    beside, across = edges_of_triangles(triangles, edges, len(polygons.xy))
+    sides = measure.length(position, triangles.ravel(), triangles[:, [1, 2, 0]].ravel()).reshape(-1, 3)
+    longest = np.append(sides.max(axis=1, initial=0.0), 0.0)[beside[left]]
+    even = left[longest.max(axis=1, initial=0.0) < WIDER * length[left]]
+    middle = (position[edges[:, 0]] + position[edges[:, 1]]) / 2.0
+    why[even[~opens(even, large, length, middle, beside, across)]] = EVEN
+
+    left = np.flatnonzero(why == KEPT)
+    order = left[np.lexsort((left, length[left] / bend[left]))]
+    why[order] = one_by_one(
+        polygons, outline, corner[order], length[order], plane, area, smallest
+    )
+    return Natural(why == KEPT, measured, share, why)
+
+
+def shares(
+    plane: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray, corner: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Area on the smaller side of each diagonal, as a share of its polygon's.
+
+    A side is an interval of a ring: two entries of the prefix sums of the shoelace terms, and the
+    term of the diagonal.
+
+    Parameters
+    ----------
+    plane : (c, 2) float
+        The corners in a plane with true areas, near its origin.
+    offsets, polygon_offsets : (r + 1,) int, (p + 1,) int
+    corner : (k, 2) int
+        The corners at the ends of the diagonals.
+
+    Returns
+    -------
+    share : (k,) float
+        NaN where the ends lie on two rings. Holes on the side count as part of it.
+    area : (p,) float
+        Of each polygon without its holes.
+
+    Notes
+    -----
+    O(n + k).
+    """
+    ring = groups(offsets)
+    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
+    passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
+    whole = passed[offsets[1:]] - passed[offsets[:-1]]  # the hole's are negative
+    area = whole[polygon_offsets[:-1]]
+    u, v = corner.T
+    side = passed[v] - passed[u] + (x[v] * y[u] - x[u] * y[v]) / 2.0
+    smaller = np.minimum(np.abs(side), np.abs(whole[ring[u]] - side))
+    polygon = np.searchsorted(polygon_offsets, ring[u], side="right") - 1
+    return np.where(ring[u] == ring[v], smaller / area[polygon], np.nan), area
+
+
+def generalised(
+    plane: np.ndarray, point: np.ndarray, offsets: np.ndarray, edge_length: np.ndarray,
+    least: np.ndarray, corner: np.ndarray | None = None,
+) -> Outline:
+    """Generalise rings by the area that matters (Visvalingam and Whyatt 1993, Cartogr. J. 30).
+
+    A corner goes where its triangle with its neighbours is smaller than ``least``; the smaller ones
+    first, in LEVELS classes. Of a run of such corners every second goes at once, so the number of
+    rounds is small whatever the rings look like.
+
+    Parameters
+    ----------
+    plane : (c, 2) float
+        The corners in a plane with true areas.
+    point : (c, d) float
+        The corners where lengths are measured.
+    offsets : (r + 1,) int
+    edge_length : (c,) float
+        Length of the edge that leaves each corner.
+    least : (r,) float
+        Least area of a triangle for each ring.
+    corner : (g,) int, optional
+        The corners to begin with, in one class: those of an outline that is a little finer.
+
+    Returns
+    -------
+    Outline
+        At least three corners of each ring are left.
+
+    Notes
+    -----
+    O(n) a round, O(log n) rounds.
+    """
+    ring = groups(offsets)
+    levels = LEVELS if corner is None else 1
+    here = np.arange(len(plane)) if corner is None else corner
+    start = np.searchsorted(here, offsets)
+    for level in range(levels if (least > 0.0).any() else 0):
+        limit = least * 4.0 ** (level + 1 - levels)
+        while True:
+            before, after = _neighbours(start)
+            a, b, c = plane[here[before]], plane[here], plane[here[after]]
+            b, c = b - a, c - a
+            small = np.abs(b[:, 0] * c[:, 1] - c[:, 0] * b[:, 1]) / 2.0 < limit[ring[here]]
+            goes = _every_second(small, start)
+            few = np.diff(start) - np.add.reduceat(goes, start[:-1], dtype=np.int64) < 3
+            goes &= ~few[ring[here]]
+            if not goes.any():
+                break
+            here = here[~goes]
+            start = np.searchsorted(here, offsets)
+    _, after = _neighbours(start)
+    at = point[here]
+    step = np.sqrt(((at[after] - at) ** 2).sum(axis=1))
+    # a corner belongs to the edge of the last place up to it, a ring's first ones to its last edge
+    edge = np.searchsorted(here, np.arange(len(plane)), side="right") - 1
+    edge = np.where(edge < start[ring], start[ring + 1] - 1, edge)
+    whole = np.bincount(edge, weights=edge_length, minlength=len(here))
+    new_length = edge_length * (step / whole)[edge]
+    passed = np.append(0.0, np.cumsum(new_length))
+    along = passed[:-1] - passed[here[start[:-1]]][ring]
+    perimeter = (passed[offsets[1:]] - passed[offsets[:-1]])[ring]
+    return Outline(
+        corner=here,
+        point=at,
+        passed=np.append(0.0, np.cumsum(step)),
+        following=after,
+        ring_start=start,
+        edge_length=new_length,
+        along=np.where(along < 0.0, along + perimeter, along),
+    )
+
+
+def _outlines(plane, point, offsets, edge_length, least):
+    """The finest outline, and the (c,) lengths of the original edges, the mean over SCALES.
+
+    How long a coast is depends on the stride it is measured with, and which corners stay on the
+    chance of the data. Lengths of one scale made 33 cuts of the ten largest land masses at one
+    detail and 28 at another; their mean over five makes 32 or 33 at each.
+    """
+    finest = outline = generalised(plane, point, offsets, edge_length, least)
+    total = finest.edge_length.copy()
+    for scale in range(1, SCALES):
+        outline = generalised(
+            plane, point, offsets, edge_length, least * 2.0**scale, outline.corner
+        )
+        total += outline.edge_length
+    return finest, total / SCALES
+
+
+def bends(
+    outline: Outline, ring: np.ndarray, corner: np.ndarray, length: np.ndarray
+) -> np.ndarray:
+    """How concave the generalised outline is at the ends of diagonals (the minima rule).
+
+    Parameters
+    ----------
+    outline : Outline
+    ring : (c,) int
+        The ring of each corner.
+    corner : (k, 2) int
+    length : (k,) float
+
+    Returns
+    -------
+    (k, 2) float
+        Degrees: the interior angle between the points at REACH times the length before and after
+        each end, less 180.
+
+    Notes
+    -----
+    O(k log n).
+    """
+    where = outline.along[corner]
+    rings = ring[corner]
+    perimeter = outline.passed[outline.ring_start[1:]] - outline.passed[outline.ring_start[:-1]]
+    reach = np.minimum(REACH * length[:, None], perimeter[rings] / 4.0)
+    at, before, after = (_at(outline, rings, where + d) for d in (0.0, -reach, reach))
+    return _bend(at, before, after)
+
+
+def edges_of_triangles(
+    triangles: np.ndarray, edges: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which triangles lie beside each edge, and which edges bound each triangle.
+
+    Parameters
+    ----------
+    triangles : (t, 3) int
+    edges : (k, 2) int
+        u < v, u ascending.
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    beside : (k, 2) int
+        -1 where there is none.
+    across : (t + 1, 3) int
+        The edge on each side, -1 where it is none of these; the last row is for triangle -1.
+    """
+    triangles = triangles.astype(np.int64)
+    a, b = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    key = np.minimum(a, b) * n + np.maximum(a, b)
+    wanted = edges[:, 0] * n + edges[:, 1]
+    order = np.argsort(wanted)
+    place = np.searchsorted(wanted, key, sorter=order)
+    edge = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(key), dtype=int)
+    edge = np.where(wanted[edge] == key, edge, -1) if len(order) else edge - 1
+    inner = np.flatnonzero(edge >= 0)
+    inner = inner[np.argsort(edge[inner], kind="stable")]
+    first = np.diff(edge[inner], prepend=-1) != 0
+    beside = np.full((len(edges), 2), -1)
+    beside[edge[inner[first]], 0] = inner[first] // 3
+    beside[edge[inner[~first]], 1] = inner[~first] // 3
+    return beside, np.append(edge.reshape(-1, 3), [[-1, -1, -1]], axis=0)
+
+
+def opens(
+    asked: np.ndarray, large: np.ndarray, length: np.ndarray, middle: np.ndarray,
+    beside: np.ndarray, across: np.ndarray,
+) -> np.ndarray:
+    """Whether the polygon gets wider by a step within reach of diagonals (necks and limbs).
+
+    In a dense outline a neck widens triangle by triangle. From the diagonal, walk over the large
+    diagonals on each side as long as the way over their middles is within REACH. On one side there
+    must be one STEP times as long, on the other none shorter than TAPER times: else it is a place
+    in a taper.
+
+    Parameters
+    ----------
+    asked : (q,) int
+        The diagonals.
+    large : (k,) bool
+        The diagonals that count.
+    length, middle : (k,) float, (k, d) float
+    beside, across
+        See `edges_of_triangles`.
+
+    Returns
+    -------
+    (q,) bool
+
+    Notes
+    -----
+    O(1) for each diagonal within reach of each one asked, one array call a step for all.
+    """
+    longest, shortest = np.zeros((len(asked), 2)), np.full((len(asked), 2), np.inf)
+    query = np.repeat(np.arange(len(asked)), 2)
+    side = np.tile([0, 1], len(asked))
+    edge, triangle = asked[query], beside[asked].ravel()
+    way = np.zeros(len(query))
+    while len(query):
+        new = across[triangle]
+        on = (new >= 0) & (new != edge[:, None]) & large[new]
+        row, column = np.nonzero(on)
+        new = new[row, column]
+        query, side, triangle = query[row], side[row], triangle[row]
+        way = way[row] + np.sqrt(((middle[new] - middle[edge[row]]) ** 2).sum(axis=1))
+        near = way <= REACH * length[asked[query]]
+        query, side, triangle, way, edge = (x[near] for x in (query, side, triangle, way, new))
+        ratio = length[edge] / length[asked[query]]
+        np.maximum.at(longest, (query, side), ratio)
+        np.minimum.at(shortest, (query, side), ratio)
+        pair = beside[edge]
+        triangle = np.where(pair[:, 0] == triangle, pair[:, 1], pair[:, 0])
+    return ((longest >= STEP) & (shortest[:, ::-1] >= TAPER)).any(axis=1)
+
+
+def one_by_one(
+    polygons: Polygons, outline: Outline, corner: np.ndarray, length: np.ndarray,
+    plane: np.ndarray, area: np.ndarray, smallest: np.ndarray,
+) -> np.ndarray:
+    """Cut along one diagonal after the other, where what is left of the outline still allows it.
+
+    A diagonal is cut if its bends, measured on the outline of the piece in which it lies, still sum
+    to LEFT, and if both pieces that it leaves are large enough.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    outline : Outline
+    corner : (k, 2) int
+        The ends of the diagonals, the first to cut first.
+    length : (k,) float
+    plane : (c, 2) float
+        The corners in a plane with true areas, near its origin.
+    area, smallest : (p,) float
+        Area of each polygon, holes included, and of its smallest part.
+
+    Returns
+    -------
+    (k,) int8
+        KEPT where it is cut; USED or SMALL.
+
+    Notes
+    -----
+    For each diagonal a walk over the generalised outline within reach; for each cut one over the
+    smaller of its pieces: O(n log n).
+    """
+    ring = polygons.ring_of_corner
+    places = np.union1d(outline.corner, corner.ravel())
+    start = np.searchsorted(places, polygons.offsets)
+    before, after = _neighbours(start)
+    term = _outline_terms(plane, polygons.offsets, places, after)
+    polygon = polygons.polygon_of_ring[ring[places]]
+    label, area, smallest = polygon.tolist(), area.tolist(), smallest[polygon].tolist()
+    before, after, term = before.tolist(), after.tolist(), term.tolist()
+    point = list(map(tuple, _at(outline, ring[places], outline.along[places]).tolist()))
+    (x, y), (x2, y2) = plane[corner[:, 0]].T, plane[corner[:, 1]].T
+    chord = ((x * y2 - x2 * y) / 2.0).tolist()
+    ends = np.searchsorted(places, corner).tolist()
+    turn = _turns(polygons, corner).tolist()
+    cuts, pieces = {}, {}  # at each place: the directions of its cuts, and the place in each piece
+    verdict = np.full(len(corner), KEPT, dtype=np.int8)
+    for k, ((u, v), (at_u, at_v), reach) in enumerate(zip(ends, turn, (REACH * length).tolist())):
+        i, j = bisect(cuts.get(u, ()), at_u), bisect(cuts.get(v, ()), at_v)
+        a, b = pieces.get(u, (u,))[i], pieces.get(v, (v,))[j]
+        bend = sum(
+            _bend_at(point[x], _walk(x, before, point, reach), _walk(x, after, point, reach))
+            for x in (a, b)
+        )
+        if bend < LEFT:
+            verdict[k] = USED
+            continue
+        # without holes the two labels are one; a hole may still have that of a larger piece
+        piece = min(label[a], label[b], key=area.__getitem__)
+        begin, of_piece = _shorter_way(a, b, after, term)
+        if begin is not None:
+            of_piece += chord[k] if begin == b else -chord[k]
+            if min(of_piece, area[piece] - of_piece) < smallest[u]:
+                verdict[k] = SMALL
+                continue
+            area[piece] -= of_piece
+            area.append(of_piece)
+            for place in _way(begin, a + b - begin, after):
+                label[place] = len(area) - 1
+        # one piece begins at a, runs on to b and back; the other at the copy of b, to that of a
+        copy_a, copy_b = len(point), len(point) + 1
+        point += [point[a], point[b]]
+        label += [piece, piece]
+        if begin is not None:
+            at_a, at_b = (a, b) if begin == a else (copy_a, copy_b)
+            rest_a, rest_b = (copy_a, copy_b) if begin == a else (a, b)
+            label[at_a] = label[at_b] = len(area) - 1
+            label[rest_a] = label[rest_b] = piece
+        last, first = before[a], after[b]
+        before += [copy_b if last == b else last, copy_a]
+        after += [copy_b, copy_a if first == a else first]
+        term += [chord[k], term[b]]
+        term[b] = -chord[k]
+        after[last], before[first] = copy_a, copy_b
+        before[a], after[b] = b, a
+        cuts.setdefault(u, []).insert(i, at_u)
+        cuts.setdefault(v, []).insert(j, at_v)
+        # the piece with the outline's way on comes first
+        pieces.setdefault(u, [u])[i : i + 1] = [a, copy_a]
+        pieces.setdefault(v, [v])[j : j + 1] = [copy_b, b]
+    return verdict
+
+
+def _shorter_way(a, b, after, term):
+    """Go from a to b and from b to a at once: where the shorter way begins, and its summed terms.
+
+    (None, 0) if they lie on two rings.
+    """
+    on, to, at_a, at_b = 0.0, 0.0, a, b
+    while True:
+        on, at_a = on + term[at_a], after[at_a]
+        if at_a == b:
+            return a, on
+        to, at_b = to + term[at_b], after[at_b]
+        if at_b == a:
+            return b, to
+        if at_a == a or at_b == b:
+            return None, 0.0
+
+
+def _way(begin, end, after):
+    """The places from one to another."""
+    while begin != end:
+        yield begin
+        begin = after[begin]
+    yield end
+
+
+def _outline_terms(plane, offsets, places, after):
+    """Shoelace terms of the outline from each place to the one after it."""
+    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
+    passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
+    whole = np.repeat(passed[offsets[1:]] - passed[offsets[:-1]], np.diff(offsets))
+    term = passed[places[after]] - passed[places]
+    return np.where(places[after] <= places, term + whole[places], term)
+
+
+def _neighbours(start):
+    """The places before and after each place on rings that begin at ``start``."""
+    before, after = np.arange(-1, start[-1] - 1), np.arange(1, start[-1] + 1)
+    before[start[:-1]], after[start[1:] - 1] = start[1:] - 1, start[:-1]
+    return before, after
+
+
+def _every_second(small, start):
+    """Every second of each run of true values, counted from where the run or the ring begins."""
+    index = np.arange(len(small))
+    barrier = np.where(small, -1, index)
+    barrier[start[:-1]] = np.where(small[start[:-1]], start[:-1] - 1, start[:-1])
+    chosen = small & ((index - np.maximum.accumulate(barrier)) % 2 == 1)
+    chosen[start[1:] - 1] &= ~chosen[start[:-1]]  # where a ring closes, two may meet
+    return chosen
+
+
+def _at(outline, ring, where):
+    """Points at distances along generalised rings."""
+    begin = outline.passed[outline.ring_start[:-1]]
+    perimeter = outline.passed[outline.ring_start[1:]] - begin
+    ring = np.broadcast_to(ring.reshape(ring.shape + (1,) * (where.ndim - ring.ndim)), where.shape)
+    passed = np.mod(where, perimeter[ring]) + begin[ring]
+    edge = np.searchsorted(outline.passed, passed, side="right") - 1
+    edge = np.clip(edge, outline.ring_start[ring], outline.ring_start[ring + 1] - 1)
+    share = (passed - outline.passed[edge]) / np.diff(outline.passed)[edge]
+    here, there = outline.point[edge], outline.point[outline.following[edge]]
+    return here + (there - here) * share[..., None]
+
+
+def _bend(at, before, after):
+    """Interior angles less 180 degrees, seen from above: the interior is on the left."""
+    on, back = after - at, before - at
+    if at.shape[-1] == 2:
+        cross = on[..., 0] * back[..., 1] - on[..., 1] * back[..., 0]
+        dot = (on * back).sum(axis=-1)
+    else:  # geocentric: in the plane that is level there
+        up = at / np.sqrt((at * at).sum(axis=-1, keepdims=True))
+        cross = (up * np.cross(on, back)).sum(axis=-1)
+        dot = (on * back).sum(axis=-1) - (on * up).sum(axis=-1) * (back * up).sum(axis=-1)
+    return np.degrees(np.arctan2(cross, dot)) % 360.0 - 180.0
+
+
+def _bend_at(at, before, after):
+    """The same at one place, from tuples: far quicker than arrays of one."""
+    on = [x - y for x, y in zip(after, at)]
+    back = [x - y for x, y in zip(before, at)]
+    if len(at) == 2:
+        cross = on[0] * back[1] - on[1] * back[0]
+        dot = on[0] * back[0] + on[1] * back[1]
+    else:
+        size = hypot(*at)
+        up = [x / size for x in at]
+        cross = (
+            up[0] * (on[1] * back[2] - on[2] * back[1])
+            + up[1] * (on[2] * back[0] - on[0] * back[2])
+            + up[2] * (on[0] * back[1] - on[1] * back[0])
+        )
+        level = sum(x * y for x, y in zip(on, up)) * sum(x * y for x, y in zip(back, up))
+        dot = sum(x * y for x, y in zip(on, back)) - level
+    return degrees(atan2(cross, dot)) % 360.0 - 180.0
+
+
+def _walk(place, link, point, reach):
+    """The point at a distance along the links from a place, or the place if they lead back to it."""
+    here, step = place, 0.0
+    while reach > 0.0:
+        there = link[here]
+        step = dist(point[here], point[there])
+        if step >= reach:
+            share = reach / step
+            return tuple(x + (y - x) * share for x, y in zip(point[here], point[there]))
+        reach -= step
+        here = there
+        if here == place:
+            break
+    return point[here]
+
+
+def _corners(polygons, edges):
+    """(k, 2) int: the corners at the ends of diagonals; where rings touch, those they leave from."""
+    corner_of = np.empty(len(polygons.xy), dtype=np.int64)
+    corner_of[polygons.vertex] = np.arange(len(polygons.vertex))
+    corner = corner_of[edges]
+    if len(polygons.vertex) == len(polygons.xy):
+        return corner
+    shared = np.bincount(polygons.vertex, minlength=len(polygons.xy)) > 1
+    order = np.argsort(polygons.vertex, kind="stable")
+    first = np.searchsorted(polygons.vertex[order], np.arange(len(polygons.xy) + 1))
+    before = np.empty(len(polygons.vertex), dtype=np.int64)
+    before[polygons.next_corner] = np.arange(len(before))
+    for k, end in np.argwhere(shared[edges]):
+        u, v = edges[k, end], edges[k, 1 - end]
+        several = order[first[u] : first[u + 1]]
+        to = polygons.xy[[v]] - polygons.xy[u]
+        on = polygons.xy[polygons.vertex[polygons.next_corner[several]]] - polygons.xy[u]
+        back = polygons.xy[polygons.vertex[before[several]]] - polygons.xy[u]
+        corner[k, end] = several[np.argmax(_angle(on, back) - _angle(on, to))]
+    return corner
+
+
+def _turns(polygons, corner):
+    """(k, 2) float: angle at each end from the outline's way on to the diagonal, inside."""
+    xy = polygons.xy[polygons.vertex]
+    here, there = xy[corner], xy[corner[:, ::-1]]
+    return _angle(xy[polygons.next_corner[corner]] - here, there - here)
+
+
+def _angle(a, b):
+    """Angle from a to b in radians, counter-clockwise, 0 to 2 pi."""
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return np.arctan2(cross, (a * b).sum(axis=-1)) % (2.0 * np.pi)

@@ -1,0 +1,305 @@
+"""Candidates for natural parts: what must hold for each, and made shapes with the cuts people see."""
+
+import numpy as np
+import pytest
+import shapely
+
+from .. import checker, natural_parts, shapes, stages
+from isthmus.core import metric
+from isthmus.core.partition import natural as stage
+from isthmus.core.partition.natural import EVEN, KEPT, SMALL, STRAIGHT, USED, edges_of_triangles, generalised
+from isthmus.core.partition.polygon import one
+from isthmus.core.partition.solve import finish, select
+from isthmus.core.rings import one_polygon
+
+
+
+def natural(shape, smallest=0.002, **options):
+    """The stage on one polygon; the smallest part as a share of the polygon."""
+    return natural_parts.prepare(one_polygon(*shape), lambda area: smallest * area, **options)
+
+
+def cuts(shape, tau=1.0, smallest=0.002):
+    """The cuts of the optimum for natural candidates, as unordered pairs of points."""
+    prepared, _, _, _ = natural(shape, smallest)
+    selected = prepared.edges[select(prepared, tau).selected]
+    return {frozenset(map(tuple, prepared.polygons.xy[pair].tolist())) for pair in selected}
+
+
+def pair(a, b):
+    return frozenset((tuple(map(float, a)), tuple(map(float, b))))
+
+
+# ----------------------------------------------------------------------------------- made shapes
+
+
+def test_dumbbell_is_cut_at_both_ends_of_its_bar():
+    shape = shapes.shape([
+        (0, 0), (10, 0), (10, 4), (14, 4), (14, 0), (24, 0), (24, 10), (14, 10), (14, 6), (10, 6),
+        (10, 10), (0, 10),
+    ])
+    assert cuts(shape) == {pair((10, 4), (10, 6)), pair((14, 4), (14, 6))}
+
+
+def test_limbs_are_cut_off_at_their_bases_and_the_body_is_not_cut_across():
+    # two legs and, above them, two humps: their corners face each other over the body
+    shape = shapes.shape([
+        (0, 0), (4, 0), (4, -9), (8, -9), (8, 0), (24, 0), (24, -9), (28, -9), (28, 0), (32, 0),
+        (32, 10), (28, 10), (28, 16), (24, 16), (24, 10), (8, 10), (8, 16), (4, 16), (4, 10), (0, 10),
+    ])
+    bases = {pair((x, y), (x + 4, y)) for x in (4, 24) for y in (0, 10)}
+    assert cuts(shape) == bases
+    assert cuts(shape, tau=3.0) == bases
+
+
+def test_a_shallow_bump_with_sharp_corners_is_a_part():
+    # a wheel: half a circle would have a detour of pi / 2, this has less than 1.2
+    angle = np.radians(np.arange(40, 141, 10))
+    wheel = np.column_stack((20 + 8 * np.cos(angle), -8 * np.sin(angle) + 8 * np.sin(angle[0])))
+    shape = shapes.shape([(0, 0), *wheel[::-1], (40, 0), (40, 15), (0, 15)])
+    assert cuts(shape) == {pair(wheel[0], wheel[-1])}
+    prepared = natural(shape)[0]
+    assert prepared.detour.max() < 1.2
+
+
+@pytest.mark.parametrize("length", [3, 10, 60])
+def test_an_even_limb_stays_in_one_piece(length):
+    x = np.arange(length + 1.0)
+    lower, upper = np.column_stack((x, 0 * x)), np.column_stack((x[::-1], 0 * x + 1))
+    assert cuts(shapes.shape([*lower, *upper])) == set()
+
+
+def test_noise_below_the_scale_of_the_smallest_part_makes_no_cuts():
+    rng = np.random.default_rng(5)
+    angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+    radius = 100 + rng.uniform(-1, 1, len(angle))
+    shape = shapes.shape(np.column_stack((radius * np.cos(angle), radius * np.sin(angle))))
+    assert cuts(shape, smallest=0.01) == set()
+    any_place = stages.prepared(shape)
+    assert len(select(any_place, 1.5).selected) > 0, "all diagonals see parts in the noise"
+
+
+def test_noise_on_the_outline_leaves_the_neck_where_it_is():
+    rng = np.random.default_rng(6)
+    outline = shapely.union_all([
+        shapely.Point(0, 0).buffer(10), shapely.Point(24, 0).buffer(8), shapely.box(0, -2, 24, 2)
+    ])
+    ring = shapely.get_coordinates(shapely.segmentize(outline, 0.4))[:-1]
+    for amount in (0.0, 0.1):
+        noisy = shapes.shape(ring + rng.uniform(-amount, amount, ring.shape))
+        middles = np.array([np.mean([*c], axis=0) for c in cuts(noisy, tau=3.0, smallest=0.01)])
+        assert 1 <= len(middles) <= 2
+        assert (np.abs(middles[:, 1]) < 1.0).all() and ((middles[:, 0] > 8) & (middles[:, 0] < 18)).all()
+
+
+def test_small_parts_are_not_cut_off():
+    thorn = shapes.shape([(0, 0), (20, 0), (20, 20), (11, 20), (10.5, 24), (10, 20), (0, 20)])
+    assert cuts(thorn, smallest=0.001) == {pair((11, 20), (10, 20))}
+    assert cuts(thorn, smallest=0.01) == set()
+
+
+# ------------------------------------------------------------------------------------ properties
+
+RANDOM = [shapes.tour(seed, 60) for seed in range(8)]
+HOLED = [shapes.mosaic(seed, 60) for seed in range(8)]
+
+
+@pytest.mark.parametrize("shape", RANDOM + HOLED)
+def test_each_diagonal_has_one_verdict_that_holds(shape):
+    prepared, found, index, edges = natural(shape, 0.004)
+    assert len(found.kept) == len(found.why) == len(found.share) == len(edges)
+    assert (found.kept == (found.why == KEPT)).all()
+    assert set(np.unique(found.why)) <= {KEPT, SMALL, STRAIGHT, EVEN, USED}
+    assert np.isin(np.flatnonzero(found.kept), index).all(), "candidates are diagonals"
+    polygon = prepared.polygons
+    one_ring = polygon.ring_of_corner[np.argsort(polygon.vertex)] if len(polygon.vertex) == len(polygon.xy) else None
+    if one_ring is not None:
+        assert (np.isnan(found.share) == (one_ring[edges[:, 0]] != one_ring[edges[:, 1]])).all()
+
+
+@pytest.mark.parametrize("shape", RANDOM)
+def test_sides_against_shapely(shape):
+    prepared, found, _, edges = natural(shape, 0.01)
+    polygon = prepared.polygons
+    for (u, v), share in zip(edges.tolist(), found.share.tolist()):
+        side = shapely.Polygon(polygon.xy[u:v + 1]).area / shape.polygon.area
+        assert share == pytest.approx(min(side, 1 - side), abs=1e-12)
+
+
+@pytest.mark.parametrize("shape", RANDOM)
+def test_no_part_is_smaller_than_the_smallest(shape):
+    for smallest in (0.01, 0.05):
+        prepared, found, _, _ = natural(shape, smallest)
+        parts = finish(prepared, select(prepared, 1.0)).parts
+        assert parts.area.min() >= smallest * shape.polygon.area * (1 - 1e-12)
+
+
+def lines(shape, smallest=0.004, **options):
+    """Candidates by their ends, with rows as names; and the generalised length by the ends of edges."""
+    prepared, found, _, edges = natural(shape, smallest, **options)
+    polygon = prepared.polygons
+    row = np.empty(len(polygon.xy), dtype=np.int64)
+    row[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
+    return prepared, found, row, edges
+
+
+@pytest.mark.parametrize("shape", RANDOM + HOLED)
+def test_result_does_not_depend_on_how_the_rings_are_told(shape):
+    told = [shapes.restarted(shape, 7), shapes.reversed_rings(shape), shapes.reordered_holes(shape, 1)]
+    mine, found, _, edges = natural(shape, 0.004)
+    for other in told:
+        theirs, same, _, other_edges = natural(other, 0.004)
+        assert (theirs.polygons.xy == mine.polygons.xy).all()
+        assert (other_edges == edges).all() and (same.why == found.why).all()
+        assert (same.edge_length == found.edge_length).all()
+
+
+@pytest.mark.parametrize("shape", RANDOM + HOLED)
+def test_result_moves_and_grows_with_the_polygon(shape):
+    _, found, _, edges = natural(shape, 0.004)
+    # by powers of two: nothing is rounded
+    for factor, shift in ((2.0**-7, 0.0), (1.0, 2.0**20), (2.0**9, -(2.0**22))):
+        _, same, _, other_edges = natural(shape.mapped(lambda xy: xy * factor + shift), 0.004)
+        assert (other_edges == edges).all()
+        assert np.mean(same.why == found.why) > 0.99
+        assert np.allclose(same.edge_length, found.edge_length * factor, rtol=1e-6)
+
+
+def test_result_of_one_polygon_does_not_depend_on_the_others():
+    several = RANDOM[:4] + HOLED[:3]
+    alone = [natural(shape, 0.004)[1] for shape in several]
+    together = natural_parts.prepare(stages.together(several), lambda area: 0.004 * area)[1]
+    for name in ("kept", "edge_length", "why"):
+        assert (getattr(together, name) == np.concatenate([getattr(x, name) for x in alone])).all(), name
+    share = np.concatenate([x.share for x in alone])
+    assert np.allclose(together.share, share, rtol=0, atol=1e-12, equal_nan=True)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_fewest_cuts_against_all_subsets(seed):
+    shape = shapes.tour(seed, 24)
+    prepared, _, _, _ = natural(shape, 1e-4)
+    polygon = prepared.polygons
+    if not 1 <= len(prepared.edges) <= 12:
+        pytest.skip("too many candidates to try all subsets, or none")
+    # with the generalised lengths: the checker's graph, all subsets
+    taus = (1.0, 1.3, 2.0, 3.0)
+    size = [len(select(prepared, tau).selected) for tau in taus]
+    assert size == fewest(prepared, polygon, taus)
+
+
+def fewest(prepared, polygon, taus):
+    """Fewest cuts by trying all subsets, ways along the generalised outline by summing."""
+    n, k = len(polygon.xy), len(prepared.edges)
+    along = np.append(0.0, np.cumsum(prepared.edge_length))
+    best = {tau: k for tau in taus}
+    for subset in range(2**k):
+        chosen = [c for c in range(k) if subset >> c & 1]
+        nodes = sorted({0, *prepared.edges.ravel().tolist()})
+        place = {v: p for p, v in enumerate(nodes)}
+        d = np.full((len(nodes), len(nodes)), np.inf)
+        np.fill_diagonal(d, 0.0)
+        for a, b in zip(nodes, nodes[1:] + [n]):
+            p, q = place[a], place[b % n]
+            d[p, q] = d[q, p] = min(d[p, q], along[b] - along[a])
+        for c in chosen:
+            p, q = (place[v] for v in prepared.edges[c].tolist())
+            d[p, q] = d[q, p] = min(d[p, q], prepared.length[c])
+        for via in range(len(nodes)):
+            d = np.minimum(d, d[:, via, None] + d[None, via])
+        p, q = np.array([[place[v] for v in e] for e in prepared.edges.tolist()]).T
+        worst = (d[p, q] / prepared.length).max()
+        for tau in taus:
+            if worst <= tau * (1 + 1e-12):
+                best[tau] = min(best[tau], len(chosen))
+    return [best[tau] for tau in taus]
+
+
+def test_degrees_are_measured_on_the_ellipsoid():
+    # the same dumbbell in metres near the pole and, by its equal-area coordinates, in degrees
+    body = np.array([
+        (0, 0), (10, 0), (10, 4), (14, 4), (14, 0), (24, 0), (24, 10), (14, 10), (14, 6), (10, 6),
+        (10, 10), (0, 10.0),
+    ])
+    for north in (0.0, 60.0, 75.0):
+        stretch = 1.0 / np.cos(np.radians(north + 0.05))
+        degrees = body * [0.01 * stretch, 0.01] + [30.0, north]
+        prepared, found, _, _ = natural(shapes.shape(degrees), 0.01, measure=metric.ellipsoidal())
+        assert len(select(prepared, 1.0).selected) == 2
+        plane = natural(shapes.shape(body), 0.01)[1]
+        # which diagonal of a square the triangulation has is a matter of the last digit
+        assert np.allclose(found.share[found.kept], plane.share[plane.kept], atol=2e-3)
+        assert np.allclose(found.edge_length / found.edge_length[0],
+                           plane.edge_length / plane.edge_length[0], rtol=2e-2)
+
+
+# ------------------------------------------------------------------------------ the generalised outline
+
+
+def outline(shape, least):
+    polygon = one(*shape)
+    plane = polygon.xy[polygon.vertex]
+    length = np.hypot(*(plane[polygon.next_corner] - plane).T)
+    return polygon, plane, length, generalised(
+        plane, plane, polygon.offsets, length, np.full(len(polygon.offsets) - 1, least)
+    )
+
+
+@pytest.mark.parametrize("shape", RANDOM + HOLED)
+def test_generalised_outline(shape):
+    area = shape.polygon.area
+    for least in (0.0, 1e-5 * area, 1e-3 * area, 10 * area):
+        polygon, plane, length, made = outline(shape, least)
+        kept = np.diff(made.ring_start)
+        assert (kept >= np.minimum(3, np.diff(polygon.offsets))).all()
+        # each original edge has its part of the length of its generalised edge
+        assert made.edge_length.sum() == pytest.approx(made.passed[-1])
+        assert (made.edge_length <= length * (1 + 1e-9)).all(), "a straight way is never longer"
+        if least == 0.0:
+            assert (made.corner == np.arange(len(plane))).all()
+            assert np.allclose(made.edge_length, length)
+        # what stays is large, but in rings of which hardly anything is left
+        before, after = plane[np.roll(made.corner, 1)], plane[np.roll(made.corner, -1)]
+        b, c = plane[made.corner] - before, after - before
+        triangle = np.abs(b[:, 0] * c[:, 1] - c[:, 0] * b[:, 1]) / 2
+        if len(kept) == 1 and kept[0] > 5:
+            assert triangle.min() >= least
+
+
+def test_a_long_taper_needs_few_rounds(monkeypatch):
+    """Areas that grow steadily along the ring: taking one local minimum at a time would take ages."""
+    x = np.cumsum(np.linspace(1, 2, 4000))
+    wave = np.column_stack((x, np.where(np.arange(4000) % 2, 1e-3, 0.0) * np.linspace(1, 9, 4000)))
+    shape = shapes.shape([*wave, (x[-1], 5000.0), (x[0], 5000.0)])
+    rounds = []
+    every = stage._every_second
+    monkeypatch.setattr(stage, "_every_second", lambda *a: rounds.append(1) or every(*a))
+    _, _, _, made = outline(shape, 100.0)
+    assert len(made.corner) < 20 and len(rounds) < 120
+
+
+def test_triangles_beside_edges():
+    polygon = one(*RANDOM[0])
+    edges = stages.diagonals(polygon)
+    from isthmus.core.partition.triangulation import triangulate
+
+    triangles, _ = triangulate(polygon)
+    beside, across = edges_of_triangles(triangles, edges, len(polygon.xy))
+    assert (beside >= 0).all() and (across[-1] == -1).all()
+    for (u, v), pair_ in zip(edges.tolist(), beside.tolist()):
+        assert pair_[0] != pair_[1] and all({u, v} <= set(triangles[t].tolist()) for t in pair_)
+    assert (np.bincount(across[:-1][across[:-1] >= 0]) == 2).all()
+
+
+def test_dilations_of_natural_candidates_by_the_checker():
+    """Without detail below the scale, lengths are the true ones, and the checker can say so."""
+    for shape in RANDOM[:4]:
+        prepared, found, _, _ = natural(shape, 1e-7)
+        assert np.allclose(found.edge_length, outline(shape, 0.0)[2])
+        for tau in (1.0, 1.5, 3.0):
+            selected = select(prepared, tau).selected
+            polygon = prepared.polygons
+            worst = checker.dilations(
+                polygon.xy, [polygon.vertex], prepared.edges[selected], prepared.edges
+            )
+            assert worst.max(initial=1.0) <= tau * (1 + 1e-9)
