@@ -30,7 +30,8 @@ __all__ = ["Exact", "exact", "require_highs"]
 
 LARGEST_PROGRAMME = 100_000  # pairs of an area and a core; a part with more gets no bound
 ALL_PAIRS = 1_500  # so many pairs are in the relaxation from the beginning
-NEAREST, BALL = 8, 24  # otherwise: the cheapest cores of an area, and the areas around a core
+NEAREST, BALL = 16, 48  # otherwise: the cheapest cores of an area, and the areas around a core
+MORE = 12  # pairs an area that come in at once
 LARGEST_INTEGER = 6_000  # pairs left that are worth a programme in integers
 LEVELS = (1e-6, 0.1, 0.25, 0.5, 0.75)  # where the support of a fractional solution is looked at
 
@@ -284,7 +285,8 @@ class _Part:
             bound = max(bound, value)
             wanted = ~chosen & (reduced < -1e-7 * best)
             if wanted.any():
-                chosen |= wanted
+                rank = np.argsort(np.argsort(np.where(wanted, reduced, np.inf), axis=1), axis=1)
+                chosen |= wanted & (rank < MORE)
                 continue
             # pairs that cost more than the gap are in no better solution
             far = possible & (value - least[:, None] + reduced > best * (1.0 + 1e-7))
