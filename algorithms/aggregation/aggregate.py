@@ -559,7 +559,7 @@ class _Run:
             else:
                 decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
                 begin = annealing(
-                    problem, int(self.number(tool.SEED)), 1000 * len(problem.size), check=check
+                    problem, int(self.number(tool.SEED)), 3000 * len(problem.size), check=check
                 )
                 result = exact(problem, seconds or 60.0, decompose, begin, check)
                 found, bound = result.found, result.bound
