@@ -8,8 +8,8 @@ where a solution violates them.
 The relaxation comes first, by column generation: most pairs of an area and a far core are left out,
 and come in where the dual prices ask for them. Contiguity cuts are separated in the relaxation.
 Its bound, and a good solution to start from, tell which pairs are in no better solution; what is
-left is solved in integers. Every bound holds: a pair that is left out with a negative reduced
-cost is charged to it (each area has one core only).
+left is solved in integers. Every bound holds: pairs that are left out with a negative reduced
+cost are charged to it (each area has one core only, and there is not room for many cores).
 """
 
 from __future__ import annotations
@@ -281,6 +281,7 @@ class _Part:
             best = self._cost_of(self.chosen)
             reduced[~possible] = np.inf
             least = np.minimum(reduced.min(axis=1), 0.0)
+            bound = max(bound, value + self._by_cores(reduced))
             value += least.sum()
             bound = max(bound, value)
             wanted = ~chosen & (reduced < -1e-7 * best)
@@ -307,6 +308,17 @@ class _Part:
         if perf_counter() < until:
             return max(bound, self._in_integers(possible, bound, until, check))
         return bound
+
+    def _by_cores(self, reduced):
+        """What pairs of negative reduced cost may save at most: only cores have areas.
+
+        Long before all pairs are there this is better than the least of each area.
+        """
+        negative, j = np.minimum(reduced, 0.0), np.arange(len(self.own))
+        others = negative.sum(axis=0) - negative[self.own, j]
+        saved = np.minimum(reduced[self.own, j] + others, 0.0)
+        free = self.own < self.free
+        return float(np.sort(saved[free])[:int(self._most())].sum() + saved[~free].sum())
 
     def _adopt(self, x):
         """Take a solution of the relaxation if it is one in integers, and costs less."""
