@@ -123,9 +123,8 @@ def annealing(
         return 0 if count is None else abs(len(one.core) - count)
 
     def better(one, other):
-        """The best of both, of which the nearer one to the number wanted is the first."""
-        if away(other) < away(one):
-            one, other = other, one
+        """The best of both; the one nearer to the number wanted, or cheaper, is what is improved."""
+        one, other = sorted((one, other), key=lambda s: (away(s), costs(problem, s).total))
         return best_of_both(problem, one, other, count)
 
     # a small map has few ways out of a bad start, and time for several

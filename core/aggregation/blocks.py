@@ -36,8 +36,8 @@ def best_of_both(problem, one, other, count=None):
     one, other : Solution
         Feasible.
     count : int, optional
-        Whether the number of regions matters: then only blocks that have as many regions in both
-        are exchanged.
+        Whether the number of regions matters: then blocks are exchanged that have as many regions in
+        both, or two at once of which one has more and the other as many fewer.
 
     Returns
     -------
@@ -56,15 +56,17 @@ def best_of_both(problem, one, other, count=None):
     number = int(block.max(initial=-1)) + 1
     gain = _block_costs(problem, one, block, number) - _block_costs(problem, other, block, number)
     if count is not None:
-        same = np.bincount(block[one.core], minlength=number) == np.bincount(
-            block[other.core], minlength=number
-        )
-        gain[~same] = 0.0
+        more = np.bincount(block[other.core], minlength=number)
+        more -= np.bincount(block[one.core], minlength=number)
+        gain = _balanced(gain, more)
     if not (problem.by_class and problem.boundary):
         return _mixed(one, other, (gain > 0.0)[block])
     total, chosen = costs(problem, one).total, np.zeros(number, dtype=bool)
     best = one
-    if count is None and costs(problem, other).total < total:
+    if count is not None:  # one by one their number would change
+        found = _mixed(one, other, (gain > 0.0)[block])
+        return found if costs(problem, found).total < total else one
+    if costs(problem, other).total < total:
         best, total, chosen = other, costs(problem, other).total, ~chosen
     order = np.argsort(np.where(chosen, gain, -gain), kind="stable")
     for k in order[:64].tolist():
@@ -78,6 +80,24 @@ def best_of_both(problem, one, other, count=None):
         else:
             chosen[k] = not chosen[k]
     return best
+
+
+def _balanced(gain, more):
+    """The gain of each block where exchanging keeps the number of regions; elsewhere 0.
+
+    Of blocks that have k regions more and of those that have k fewer, the best are taken in pairs.
+    """
+    kept = np.where(more == 0, gain, 0.0)
+    for k in np.unique(more[more > 0]).tolist():
+        plus, minus = (
+            some[np.argsort(-gain[some], kind="stable")]
+            for some in (np.flatnonzero(more == k), np.flatnonzero(more == -k))
+        )
+        for a, b in zip(plus.tolist(), minus.tolist()):
+            if gain[a] + gain[b] <= 0.0:
+                break
+            kept[[a, b]] = (gain[a] + gain[b]) / 2.0
+    return kept
 
 
 def _block_costs(problem, found, block, number):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from isthmus.core.aggregation.annealing import annealing
-from isthmus.core.aggregation.blocks import best_of_both, block_of_areas
+from isthmus.core.aggregation.blocks import _balanced, best_of_both, block_of_areas
 from isthmus.core.aggregation.greedy import greedy, helpless
 from isthmus.core.aggregation.instance import Solution, costs, problems
 
@@ -79,6 +79,19 @@ def test_a_wanted_number_of_regions_stays(seed):
     found = best_of_both(problem, one, other, count=len(one.core))
     assert len(found.core) == len(one.core)
     assert costs(problem, found).total <= costs(problem, one).total + 1e-9
+    block = block_of_areas(one, other)
+    mine = np.bincount(block[one.core]) == np.bincount(block[other.core])
+    alone = [
+        costs(problem, mixed(one, other, block == b)).total for b in np.flatnonzero(mine).tolist()
+    ]
+    assert costs(problem, found).total <= min(alone, default=np.inf) + 1e-9
+
+
+def test_blocks_with_more_and_fewer_regions_go_in_pairs():
+    gain, more = np.array([5.0, -2.0, 1.0, 9.0, 4.0]), np.array([1, -1, -1, 2, 0])
+    found = _balanced(gain, more)
+    assert (found > 0).tolist() == [True, False, True, False, True]
+    assert (_balanced(np.array([5.0, -6.0]), np.array([1, -1])) > 0).tolist() == [False, False]
 
 
 def test_equal_solutions_stay():
