@@ -17,8 +17,8 @@ from qgis.core import (
 from . import areas as layer
 from ...core.progress import checker
 from ..layers import wkb
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
-from ..partition.cutting import BY_LENGTH, BY_SIZE
+from ..base import Steps, counted, style_on_load
+from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
 from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
@@ -44,15 +44,12 @@ GIScience 2016, section 5.2.</p>
 """
 
 
-class PrepareAggregationAlgorithm(IsthmusAlgorithm):
+class PrepareAggregationAlgorithm(PartitionTool):
     """Split the areas of a coverage at bottlenecks."""
 
     help_text = HELP
     CLASS = "CLASS"
     TAU = "TAU"
-    OBJECTIVE = "OBJECTIVE"
-    MIN_LENGTH = "MIN_LENGTH"
-    MIN_HOLE = "MIN_HOLE"
     OUTPUT = "OUTPUT"
     ADJACENCY = "ADJACENCY"
     AREA_COUNT = "AREA_COUNT"
@@ -110,33 +107,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             ),
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
-        add(
-            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
-            QgsProcessingParameterNumber(
-                self.MIN_LENGTH,
-                "Ignore cuts below (layer units; metres if degrees)",
-                QgsProcessingParameterNumber.Type.Double,
-                defaultValue=0.0,
-                minValue=0.0,
-            ),
-            "Possible cuts that are shorter than this are left out, whatever the detour. A hole may "
-            "still be connected by a shorter cut. In the units of the layer, or in metres if its "
-            "coordinates are degrees.",
-            decimals=3,
-        )
-        add(
-            QgsProcessingParameterNumber(
-                self.MIN_HOLE,
-                "Ignore holes below (layer units²; m² if degrees)",
-                number.Double,
-                defaultValue=0.0,
-                minValue=0.0,
-                maxValue=LARGEST,
-            ),
-            "Holes with a smaller area stay holes of a piece, and no cut is attached to them. In the "
-            "squared units of the layer, or in square metres if its coordinates are degrees.",
-            decimals=3,
-        )
+        self.add_places(ANY, 0.0)
         add(
             QgsProcessingParameterFeatureSink(
                 self.OUTPUT, "Pieces", QgsProcessing.SourceType.TypeVectorPolygon
@@ -168,8 +139,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
     def parameter_problem(self, parameters, context):
         return (
             self.number_problem(parameters, context, self.TAU, 1.0)
-            or self.limit_problem(parameters, context, self.MIN_LENGTH)
-            or self.limit_problem(parameters, context, self.MIN_HOLE)
+            or self.objective_problem(parameters, context)
         )
 
     def processAlgorithm(self, parameters, context, feedback):
@@ -201,8 +171,8 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         settings = Settings(
             measure=measure_of(crs),
-            min_length=self.parameterAsDouble(parameters, self.MIN_LENGTH, context),
-            min_hole=self.parameterAsDouble(parameters, self.MIN_HOLE, context),
+            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
+            floors=self.floors(parameters, context, source),
             lines=None,
             weigh=weigh_by_length if objective == BY_LENGTH else None,
             all_dilations=False,

@@ -45,8 +45,8 @@ class Schedule(NamedTuple):
         First and last price of a missing square metre.
     """
 
-    hot: float = 10.0
-    warm: float = 2.0
+    hot: float = 3.0
+    warm: float = 1.0
     cold: float = 0.03
     soft: float = 0.3
     hard: float = 30.0

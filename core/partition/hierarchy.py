@@ -98,7 +98,7 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
     >>> prepared = prepare(one_polygon(xy, [0, 12]))
     >>> found = hierarchy(prepared, select(prepared, 8.0))
     >>> found.rank, found.persistence.round(1)
-    (array([1, 2]), array([28.,  9.]))
+    (array([2, 1]), array([ 9., 25.]))
     """
     carved, length = selection.carved, prepared.length
     net, node_edge = carved.net, carved.node_edge
@@ -222,7 +222,7 @@ def levels(found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float)
     >>> found = Hierarchy(np.array([3, 5]), np.array([9.0, 4.0]), np.array([1, 2]))
     >>> made = levels(found, np.array([[0, 1], [1, 2]]), 3, 2.0)
     >>> made.parent, made.from_tau, made.to_tau
-    (array([4, 3, 3, 4, -1]), array([2., 2., 2., 4., 9.]), array([ 9.,  4.,  4.,  9., inf]))
+    (array([ 4,  3,  3,  4, -1]), array([2., 2., 2., 4., 9.]), array([ 9.,  4.,  4.,  9., inf]))
     """
     parent, start = [-1] * count, [smallest_tau] * count
     stop, pieces = [np.inf] * count, [[k] for k in range(count)]

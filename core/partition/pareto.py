@@ -19,7 +19,7 @@ import numpy as np
 
 __all__ = [
     "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
-    "offsets", "pack", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
+    "offsets", "pack", "pair_count", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
 ]  # fmt: skip
 
 CHUNK = 1 << 18  # pairs of points handled in one numpy call
@@ -140,13 +140,13 @@ def ranges(start, count):
     return np.arange(total) + np.repeat(start - end + count, count)
 
 
-def pareto(segment, weight, value):
+def pareto(seg, weight, value):
     """Points that no other of the same segment dominates, sorted by (segment, weight).
 
-    Of equal points the first remains. O(N log N). Returns their positions and segments.
+    Segments must ascend. Of equal points the first remains. O(N log N). Returns positions and segments.
     """
-    order = np.argsort(pack(segment, weight), kind="stable")
-    seg, val = segment[order], value[order]
+    order = np.argsort(pack(seg, weight), kind="stable")
+    val = value[order]
     # the major key falls from segment to segment, so the running minimum restarts by itself
     best = np.minimum.accumulate(pack(-seg, val)).imag
     keep = np.ones(len(order), bool)
@@ -171,23 +171,30 @@ def pair_count(front, left, right):
 
 
 def small_pairs(front, left, right, items):
-    """All pairs of points of the given items, in chunks: item, is it a demand, point, point."""
-    offer_l, demand_l, offer_r, demand_r = sizes(front, left[items], right[items])
-    total = np.cumsum(offer_l * (offer_r + demand_r) + demand_l * offer_r)
+    """All pairs of points of the given items, in chunks: are they demands, and rows and pairs.
+
+    A row is a point of a left edge with all points of the right one that it can be added to. Rows:
+    item and point; pairs: row and right point. Of each item the first pair is that of the cheapest
+    points.
+    """
+    total = np.cumsum(pair_count(front, left[items], right[items]))
     a = 0
     while a < len(items):
         done = total[a - 1] if a else 0
         b = max(a + 1, int(np.searchsorted(total, done + CHUNK, "right")))
-        it = items[a:b]
-        points = offer_l[a:b] + demand_l[a:b]
-        own = np.repeat(np.arange(a, b), points)
-        i = ranges(front.ptr[2 * left[it]], points)
-        demand = i >= front.ptr[2 * left[items[own]] + 1]
-        partners = np.where(demand, offer_r[own], offer_r[own] + demand_r[own])
-        j = ranges(front.ptr[2 * right[items[own]]], partners)
-        item = items[np.repeat(own, partners)]
-        demand = np.repeat(demand, partners) | (j >= front.ptr[2 * right[item] + 1])
-        yield item, demand, np.repeat(i, partners), j
+        of = items[a:b]
+        start, size = front.ptr, np.diff(front.ptr)
+        offer, other = 2 * left[of], 2 * right[of]
+        for demand in (False, True):
+            points = size[offer] + size[offer + 1] if demand else size[offer]
+            own = np.repeat(np.arange(len(of)), points)
+            i = ranges(start[offer], points)
+            # a demand on the left is met by offers on the right, and the other way round
+            to = other[own] + (demand & (i < start[offer[own] + 1]))
+            some = np.flatnonzero(size[to])
+            own, i, to = own[some], i[some], to[some]
+            partners = size[to]
+            yield demand, of[own], i, np.repeat(np.arange(len(i)), partners), ranges(start[to], partners)
         a = b
 
 
@@ -204,7 +211,7 @@ def blocks(front, left, right):
                 yield demand, slice(a, min(a + rows, x.stop)), y
 
 
-def dense_pairs(front, left, right, base, value_cap, weight_cap, least, check):
+def dense_pairs(front, left, right, base, value_cap, weight_cap, check):
     """Useful sums of one item with many pairs: is it a demand, point, point, weight, value."""
     parts = []
     for demand, x, y in blocks(front, left, right):
@@ -214,7 +221,7 @@ def dense_pairs(front, left, right, base, value_cap, weight_cap, least, check):
         useful &= weight < weight_cap[demand]
         value = vx[:, None] + vy
         useful &= value <= value_cap[demand]
-        if not demand and weight[0, 0] == least:
+        if not demand and x.start == front.ptr[2 * left]:
             useful[0, 0] = True
         k = np.flatnonzero(useful)
         i, j = np.divmod(k, len(wy))

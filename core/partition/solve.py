@@ -290,7 +290,7 @@ def partition(
     >>> rooms = np.array([[0, 0], [10, 0], [10, 4.5], [12, 4.5], [12, 0], [22, 0], [22, 10], [12, 10],
     ...                   [12, 5.5], [10, 5.5], [10, 10], [0, 10]])
     >>> partition(rooms, [0, 12], tau=4).parts.area
-    array([102., 100.])
+    array([100., 100.,   2.])
     """
     check = checker(progress, cancelled)
     prepared = prepare(

@@ -24,7 +24,7 @@ from isthmus.core import metric
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9
-EXTRA = {"partition": 5, "partitionbudget": 6}  # fields of a part besides those of its feature
+EXTRA = {"partition": 6, "partitionbudget": 7}  # fields of a part besides those of its feature
 SOLVABLE_REASONS = (  # why a valid polygon may not be solved, and what must be so then
     ("tau must be a number", lambda case, polygon: isinstance(case.parameters.get("TAU"), dict)),
     ("the budget must be", lambda case, polygon: isinstance(case.parameters.get("BUDGET"), dict)),
