@@ -469,8 +469,8 @@ def focus_map():
         noted[selection] = {
             "command": done.command,
             "edges": found["EDGE_COUNT"],
-            "flipped": round(found["FLIPPED_AREA"], 4),
-            "median": round(found["MEDIAN_DISTORTION"], 2),
+            "median": round(found["MEDIAN_DISTORTION"], 1),
+            "high": round(found["HIGH_DISTORTION"]),
             "seconds": round(done.seconds, 1),
         }
         panels.append((f"Wales x 2, {title}", found["OUTPUT"], found["EDGES_USED"]))
@@ -501,13 +501,15 @@ def focus_map():
             edges = BUILD / "diagonals.gpkg"
         layers.insert(0, line(opened(edges), width=0.28))
         drawn.append((title, layers))
-    west, south, east, north = land.bounds
-    pad = 0.02 * (north - south)
-    frame = (west - pad, south - pad, east + pad, north + pad)
+    frames = []
+    for layer in (britain, *(layer for _, layer, _ in panels)):  # all to the same height, as in the paper
+        west, south, east, north = shapes(opened(layer))[0].bounds
+        pad = 0.02 * (north - south)
+        frames.append((west - pad, south - pad, east + pad, north + pad))
     picture(
         "focus_map",
         [Panel(layers, frame, BRITAIN, title, background="#dfeaf0", scale=0 if k else 100_000, corner="right")
-         for k, (title, layers) in enumerate(drawn)],
+         for k, ((title, layers), frame) in enumerate(zip(drawn, frames))],
     )  # fmt: skip
     return noted
 

@@ -1,281 +1,165 @@
-"""The map with the least distortion, by sparse least squares (Haunert and Sering 2011).
+"""The map with the least distortion in which no triangle turns.
 
-With D the vector of an edge u-v before, d the one after, and s_u a local scale, unknown as the
-positions are, the distortion is the sum over vertices u and their neighbours v of
+The distortion is that of Haunert and Sering (2011). With D the vector of an edge u-v before, d the
+one after, and s_u a local scale, unknown as the positions are, it is the sum over vertices u and
+their neighbours v of
 
     |s_u D - d|^2 / |D|^2
 
-There is no rotation: north stays up. In the focus s is given, and positions are those of the
-scaled region up to one translation, so all of it is exact. Single coordinates may be fixed, and
-`Bounds` keep vertices in the frame, and lines from crossing. What is solved for are the
-displacements, and s - 1: at scale 1 they are zero.
+There is no rotation: north stays up. In the focus s is given, and positions are those of the scaled
+region up to one translation, so all of it is exact.
+
+All triangles of the frame stand guard: each adds a little of |J|^2 / (2 det J) + (det J + 1 / det J) / 2,
+J being the matrix of its affine map, which is infinite where a triangle is flat. From the identity
+the focus grows by Newton steps, none of which leaves a triangle less than `LEFT` of its area (the bound
+of Smith and Schaefer 2015). So every state on the way is without a fold.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-__all__ = ["Bounds", "NO_BOUNDS", "Program", "focus_program", "repair_program"]
+from .mesh import heights
 
-REFINEMENTS = 3  # of the normal equations, whose condition is that of the problem squared
-TOLERANCE = 1e-9  # of bounds
+__all__ = ["relax", "unbounded"]
 
-
-class Bounds(NamedTuple):
-    """Bounds a (x_p - x_q) + b (y_p - y_q) >= least.
-
-    Attributes
-    ----------
-    p, q : (k,) int
-        Vertices; q is -1 where the coordinates of p themselves are bounded.
-    normal : (k, 2) float
-        (a, b), of length 1.
-    least : (k,) float
-    """
-
-    p: np.ndarray
-    q: np.ndarray
-    normal: np.ndarray
-    least: np.ndarray
-
-    def excess(self, xy):
-        """(k,): by how much each bound is kept; negative where it is not."""
-        other = np.where((self.q >= 0)[:, None], xy[self.q], 0.0)
-        return ((xy[self.p] - other) * self.normal).sum(axis=1) - self.least
-
-    def where(self, chosen):
-        """Some of these."""
-        return Bounds(*(values[chosen] for values in self))
-
-    def joined(self, other):
-        """These, then others."""
-        return Bounds(*(np.concatenate(values) for values in zip(self, other)))
+GUARD = 1e-4  # weight of the triangles beside that of the edges
+AREA = 0.5  # weight of the change of area beside that of the change of shape in a triangle
+THIN = 1e-11  # height of a triangle that the precision of the program does not reach
+LEFT = 0.05  # of a triangle's area, what a step must leave
+STEPS = 150  # Newton steps before giving up
+LAST = 12  # of these, after the scale is reached
+SMALL = 1e-3  # share of the energy, below which a step is the last
+STUCK = 1e-4  # of the way, below which a step is none
 
 
-NO_BOUNDS = Bounds(*np.empty((2, 0), dtype=np.int64), np.empty((0, 2)), np.empty(0))
-
-
-class Program:
-    """A quadratic program over the displacements of a map, with the bounds added so far.
-
-    The matrix is factorised once. A bound that is not kept costs one more solution with it, and
-    from then on belongs to a small dense program for the forces that the bounds exert.
-
-    Parameters
-    ----------
-    start : (n, 2) float
-        Positions that displacements are counted from.
-    matrix : (r, k n) sparse
-        The sum of squares of its product with the displacements of x, then of y, and then whatever
-        follows, is to be least.
-    column : (k n,) int
-        The unknown behind each of these, -1 for none.
-    constant : (k n,) float
-        What is added to the unknown.
-
-    Notes
-    -----
-    One sparse factorisation, nearly O(n) for the graph of a map; about O(n) for each bound.
-    """
-
-    def __init__(self, start, matrix, column, constant):
-        self.start, self.matrix, self.constant = start, matrix, constant
-        free = np.flatnonzero(column >= 0)
-        used, number = np.unique(column[free], return_inverse=True)
-        self.spread = _sparse(np.ones(len(free)), free, number.ravel(), (len(column), len(used)))
-        self.reduced = (matrix @ self.spread).tocsc()
-        self.factor = _factorise((self.reduced.T @ self.reduced).tocsc()) if len(used) else None
-        self.bounds, self.rows, self.gram = NO_BOUNDS, None, np.empty((0, 0))
-        self.free = self._least(np.zeros(len(used)))
-        self.z = self.free
-
-    @property
-    def xy(self):
-        """(n, 2): positions."""
-        n = len(self.start)
-        return self.start + np.column_stack((self.z[:n], self.z[n:2 * n]))
-
-    @property
-    def s(self):
-        """(n,): local scales."""
-        return 1.0 + self.z[2 * len(self.start):]
-
-    def add(self, bounds):
-        """Meet more bounds; return whether that was possible.
-
-        Parameters
-        ----------
-        bounds : Bounds
-        """
-        from scipy.sparse import vstack
-
-        rows = (self._full_rows(bounds) @ self.spread).tocsr()
-        movable = np.flatnonzero(np.diff(rows.indptr))
-        if len(movable) < len(bounds.p):
-            return False
-        target = rows.T.toarray()
-        response = self.factor.solve(target)
-        response += self.factor.solve(target - self.reduced.T @ (self.reduced @ response))
-        old = len(self.bounds.p)
-        self.rows = rows if self.rows is None else vstack((self.rows, rows)).tocsr()
-        gram = np.empty((len(response.T) + old,) * 2)
-        gram[:old, :old] = self.gram
-        gram[:, old:] = self.rows @ response
-        gram[old:, :old] = gram[:old, old:].T
-        gram[old:, old:] = (gram[old:, old:] + gram[old:, old:].T) / 2.0
-        self.gram, self.bounds = gram, self.bounds.joined(bounds)
-        n = len(self.start)
-        at_rest = self.start + np.column_stack((self.free[:n], self.free[n:2 * n]))
-        unit = 1.0 / np.sqrt(np.diag(gram))
-        gram = gram * np.outer(unit, unit)
-        lack = -self.bounds.excess(at_rest) * unit
-        for _ in range(8):
-            force = _forces(gram, lack)
-            if force is None:
-                return False
-            self.z = self._least(self.rows.T @ (force * unit))
-            excess = self.bounds.excess(self.xy)
-            if excess.min() > -2.0 * TOLERANCE:
-                return True
-            # the matrix has the precision of its factorisation only: aim at what is missing
-            lack += gram @ force - lack - excess * unit
-        return False
-
-    def _least(self, force):
-        """Displacements and s - 1 of least distortion under forces on the unknowns."""
-        if self.factor is None:
-            return self.constant
-        y = np.zeros(len(force))
-        for _ in range(1 + REFINEMENTS):
-            gradient = self.reduced.T @ (self.matrix @ (self.constant + self.spread @ y))
-            y -= self.factor.solve(gradient - force)
-        return self.constant + self.spread @ y
-
-    def _full_rows(self, bounds):
-        """Bounds as rows over all displacements."""
-        n, k = len(self.start), len(bounds.p)
-        row, two = np.arange(k), np.flatnonzero(bounds.q >= 0)
-        entries = []
-        for axis in (0, 1):
-            value = bounds.normal[:, axis]
-            entries.append((value, row, axis * n + bounds.p))
-            entries.append((-value[two], two, axis * n + bounds.q[two]))
-        shape = (k, len(self.constant))
-        rows = _sparse(*(np.concatenate(part) for part in zip(*entries)), shape)
-        rows.eliminate_zeros()
-        return rows
-
-
-def _forces(gram, lack):
-    """Solve gram f >= lack, f >= 0, one of both equal everywhere.
-
-    By block principal pivoting, which mostly takes a few steps.
-
-    Returns
-    -------
-    (k,) float or None
-        None where there is no solution, or none was found.
-    """
-    k = len(lack)
-    gram = gram + 1e-12 * np.eye(k)  # four bounds of a pair, and more, may say the same
-    pressing = np.zeros(k, dtype=bool)
-    fewest, patience = k + 1, 10
-    while patience:
-        force = np.zeros(k)
-        at = np.flatnonzero(pressing)
-        try:
-            force[at] = np.linalg.solve(gram[np.ix_(at, at)], lack[at])
-        except np.linalg.LinAlgError:
-            break
-        wrong = np.where(pressing, force < 0.0, gram @ force - lack < -0.1 * TOLERANCE)
-        count = np.count_nonzero(wrong)
-        if count == 0:
-            return force
-        patience = 10 if count < fewest else patience - 1
-        fewest = min(count, fewest)
-        pressing ^= wrong
-    return _forces_slowly(gram, lack)
-
-
-def _forces_slowly(gram, lack):
-    """The same by the method of Lawson and Hanson, which always ends."""
-    from scipy.optimize import nnls
-
-    try:
-        root = np.linalg.cholesky(gram)
-        force = nnls(root.T, np.linalg.solve(root, lack), maxiter=30 * len(lack))[0]
-    except (np.linalg.LinAlgError, RuntimeError):
-        return None
-    return force if (gram @ force - lack).min() > -1e-7 else None
-
-
-def focus_program(xy, edges, group, origin, scale, fixed):
-    """Return the program of a map with regions in focus.
+def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD):
+    """Move the vertices of a triangulation so that its edges are distorted least.
 
     Parameters
     ----------
     xy : (n, 2) float
         Of about size 1.
+    triangles : (t, 3) int
+        Counter-clockwise, of a convex region.
     edges : (m, 2) int
-        They connect all vertices.
+        What is to keep its shape; they need not be sides of triangles.
     group : (n,) int
         The region in focus that each vertex belongs to, -1 for none.
     origin : (g, 2) float
         A point of each region; what its scaling is counted from.
     scale : float
-    fixed : sequence of (axis, vertex, displacement)
-        Axis 0 is x, 1 is y, 2 is s. A vertex in focus fixes its region.
+    fixed : sequence of (axis, vertices, displacement)
+        Axis 0 is x, 1 is y. A vertex in focus fixes its region.
+    check : callable
+        Called with the share done; may raise `Cancelled`.
+    guard : float
+        Weight of the triangles beside the edges.
 
     Returns
     -------
-    Program
+    shift : (n, 2) float
+        Displacements.
+    reached : float
+        The share of the way from the identity that was gone: 1 unless there is no room.
+
+    Notes
+    -----
+    A sparse factorisation, nearly O(n), for each of about 10 to 30 steps.
     """
-    column, constant = _unknowns(xy, group, origin, scale, fixed)
-    return Program(xy, _distortion(xy, edges), column, constant)
+    n = len(xy)
+    column, constant = _unknowns(xy, edges, group, origin, scale, fixed)
+    spread, used = _spread(column)
+    ends = group[edges]
+    edges = edges[(ends[:, 0] != ends[:, 1]) | (ends[:, 0] < 0)]
+    matrix = _distortion(xy, edges)
+    reduced = (matrix @ spread).tocsr()
+    square = (2.0 * (reduced.T @ reduced)).tocsc()
+    pull = 2.0 * (reduced.T @ (matrix @ constant))
+    corner = group[triangles]
+    loose = (corner.min(axis=1) != corner.max(axis=1)) | (corner[:, 0] < 0)
+    triangles = triangles[loose & (heights(xy, triangles) > THIN)]
+    gradient, area = _gradient(xy, triangles)
+    weight = guard * max(len(edges), 1) * area / area.sum()
+    slope = (gradient @ spread[:2 * n]).tocsr()
+    fast = gradient @ constant[:2 * n]
+    pattern = _Blocks(len(triangles))
+    q, done = np.zeros(used), 0.0
+
+    def energy(jacobian, q):
+        residual = reduced @ q + matrix @ (constant * done)
+        return residual @ residual + weight @ _shape_energy(jacobian)
+
+    def jacobian_of(q, done):
+        return (slope @ q + fast * done).reshape(-1, 4) + (1.0, 0.0, 0.0, 1.0)
+
+    last, idle, short = 0, 0, False
+    jacobian = jacobian_of(q, done)
+    for step in range(STEPS):
+        check(min(0.9 * done + 0.1 * step / STEPS, 1.0))
+        first, second = _derivatives(jacobian)
+        force = square @ q + pull * done + slope.T @ (weight[:, None] * first).ravel()
+        stiff = pattern.matrix(weight[:, None, None] * second)
+        hessian = (square + slope.T @ (stiff @ slope)).tocsc()
+        go = 0.0 if short else 1.0 - done
+        target = -force
+        if go:
+            target = target - go * (pull + slope.T @ (stiff @ fast))
+        move = _solve(hessian, target)
+        change = (slope @ move + fast * go).reshape(-1, 4)
+        length = _bound(jacobian, change)
+        if go:
+            q, gone = q + length * move, length * go
+            done = 1.0 if length == 1.0 else done + gone
+            jacobian = jacobian_of(q, done)
+            idle = idle + 1 if gone < STUCK else 0
+            if idle > 8:
+                break
+            short = done < 1.0 and length < 0.1
+            continue
+        now, length = energy(jacobian, q), length
+        decrement = force @ move
+        for _ in range(30):
+            trial = jacobian_of(q + length * move, done)
+            if _determinant(trial).min() > 0.0 and energy(trial, q + length * move) <= (
+                now + 1e-4 * length * decrement
+            ):
+                q, jacobian = q + length * move, trial
+                break
+            length *= 0.5
+        short = False
+        if done == 1.0:
+            last += 1
+            if -decrement < SMALL * now or last >= LAST:
+                break
+            short = True
+    z = spread @ q + constant * done
+    return np.column_stack((z[:n], z[n:2 * n])), done
 
 
-def repair_program(xy, carried, edges, fixed):
-    """Return the program that changes the edges of a map as little as possible.
+def unbounded(xy, edges, group, origin, scale, fixed, anchors):
+    """Return displacements of least distortion without triangles, and with s = 1 at some vertices.
 
-    It minimises |d - d'|^2 / |D|^2, d being the vector of an edge as given, and d' the one after.
-
-    Parameters
-    ----------
-    xy : (n, 2) float
-        Positions in the input, for D.
-    carried : (n, 2) float
-        Positions as given.
-    edges : (m, 2) int
-    fixed : (n,) bool
-        Vertices that stay.
-
-    Returns
-    -------
-    Program
+    Parameters, returns: see `relax`; ``anchors`` are vertices.
     """
-    n, m = len(xy), len(edges)
-    u, v = edges.T
-    factor = 1.0 / np.hypot(*(xy[v] - xy[u]).T)
-    row = np.arange(m)
-    entries = []
-    for axis in (0, 1):
-        entries.append((factor, axis * m + row, axis * n + u))
-        entries.append((-factor, axis * m + row, axis * n + v))
-    # a component without a fixed vertex would float
-    anchor = max(1e-3, 1e-6 * factor.max(initial=0.0))
-    entries.append((np.full(2 * n, anchor), 2 * m + np.arange(2 * n), np.arange(2 * n)))
-    matrix = _sparse(*(np.concatenate(part) for part in zip(*entries)), (2 * m + 2 * n, 2 * n))
-    column = np.where(np.tile(fixed, 2), -1, np.arange(2 * n))
-    return Program(carried, matrix, column, np.zeros(2 * n))
+    column, constant = _unknowns(xy, edges, group, origin, scale, fixed)
+    n = len(xy)
+    free = anchors[group[anchors] < 0]
+    column[2 * n + free] = -1
+    spread, used = _spread(column)
+    matrix = _distortion(xy, edges)
+    reduced = (matrix @ spread).tocsc()
+    y = _solve((reduced.T @ reduced).tocsc(), -(reduced.T @ (matrix @ constant)))
+    z = spread @ y + constant
+    return np.column_stack((z[:n], z[n:2 * n]))
 
 
-def _unknowns(xy, group, origin, scale, fixed):
+def _unknowns(xy, edges, group, origin, scale, fixed):
     """Unknown of each x, y and s (-1: none), and the constant to add to it."""
     n = len(xy)
     column = np.arange(3 * n)
     constant = np.zeros(3 * n)
+    column[2 * n:][np.bincount(edges.ravel(), minlength=n) == 0] = -1
     inside = np.flatnonzero(group >= 0)
     first = np.full(len(origin), -1)
     first[group[inside][::-1]] = inside[::-1]
@@ -285,18 +169,24 @@ def _unknowns(xy, group, origin, scale, fixed):
         constant[place] = (scale - 1.0) * (xy[inside, axis] - origin[group[inside], axis])
     column[2 * n + inside] = -1
     constant[2 * n + inside] = scale - 1.0
-    for axis, vertex, displacement in fixed:
-        place = axis * n + vertex
-        if column[place] < 0:
-            continue  # fixed already
-        if group[vertex] >= 0:
-            region = axis * n + np.flatnonzero(group == group[vertex])
-            constant[region] += displacement - constant[place]
-            column[region] = -1
-        else:
-            constant[place] = displacement
-            column[place] = -1
+    for axis, vertices, displacement in fixed:
+        outside = vertices[group[vertices] < 0]
+        column[axis * n + outside] = -1
+        constant[axis * n + outside] = displacement
+        for g in np.unique(group[vertices][group[vertices] >= 0]).tolist():
+            at = vertices[group[vertices] == g][0]
+            region = axis * n + np.flatnonzero(group == g)
+            if column[region[0]] >= 0:
+                constant[region] += displacement - constant[axis * n + at]
+                column[region] = -1
     return column, constant
+
+
+def _spread(column):
+    """The matrix from unknowns to x, y and s, and the number of unknowns."""
+    free = np.flatnonzero(column >= 0)
+    used, number = np.unique(column[free], return_inverse=True)
+    return _sparse(np.ones(len(free)), free, number.ravel(), (len(column), len(used))), len(used)
 
 
 def _distortion(xy, edges):
@@ -315,22 +205,93 @@ def _distortion(xy, edges):
     return _sparse(*(np.concatenate(part) for part in zip(*entries)), (4 * m, 3 * n))
 
 
+def _gradient(xy, triangles):
+    """The matrix from displacements to J - 1 of each triangle (xx, xy, yx, yy), and their areas."""
+    n, t = len(xy), len(triangles)
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    entries = []
+    for vertex, (p, q) in zip(triangles.T, ((b, c), (c, a), (a, b))):
+        side = q - p
+        slope = np.column_stack((-side[:, 1], side[:, 0])) / double[:, None]
+        for i in (0, 1):
+            for j in (0, 1):
+                entries.append((slope[:, j], 4 * np.arange(t) + 2 * i + j, i * n + vertex))
+    return _sparse(*(np.concatenate(part) for part in zip(*entries)), (4 * t, 2 * n)), double / 2.0
+
+
+def _determinant(jacobian):
+    return jacobian[:, 0] * jacobian[:, 3] - jacobian[:, 1] * jacobian[:, 2]
+
+
+def _shape_energy(jacobian):
+    square, det = (jacobian**2).sum(axis=1), _determinant(jacobian)
+    return square / (2.0 * det) + AREA / 2.0 * (det + 1.0 / det)
+
+
+def _derivatives(jacobian):
+    """Gradient (t, 4) and positive semidefinite Hessian (t, 4, 4) of `_shape_energy`."""
+    square, det = (jacobian**2).sum(axis=1)[:, None], _determinant(jacobian)[:, None]
+    cofactor = jacobian[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
+    by_det = -square / (2.0 * det**2) + AREA / 2.0 * (1.0 - 1.0 / det**2)
+    first = jacobian / det + by_det * cofactor
+    mixed = -1.0 / det**2
+    twice = (square + AREA) / det**3
+    outer = jacobian[:, :, None] * cofactor[:, None, :]
+    second = mixed[:, :, None] * (outer + outer.transpose(0, 2, 1))
+    second += twice[:, :, None] * cofactor[:, :, None] * cofactor[:, None, :]
+    second += (1.0 / det)[:, :, None] * np.eye(4)
+    turn = np.zeros((4, 4))
+    turn[0, 3] = turn[3, 0] = 1.0
+    turn[1, 2] = turn[2, 1] = -1.0
+    second += by_det[:, :, None] * turn
+    value, vector = np.linalg.eigh(second)
+    return first, np.einsum("tij,tj,tkj->tik", vector, np.maximum(value, 0.0), vector)
+
+
+def _bound(jacobian, change):
+    """The longest step, at most 1, that leaves each triangle enough of its area."""
+    a, b, c, d = jacobian.T
+    e, f, g, h = change.T
+    now = _determinant(jacobian)
+    # det(J + t C) = now + t linear + t^2 bend; where is it LEFT * now?
+    linear, bend = a * h + d * e - b * g - c * f, e * h - f * g
+    rest = (1.0 - LEFT) * now
+    root = linear**2 - 4.0 * bend * rest
+    with np.errstate(all="ignore"):
+        t = 2.0 * rest / (-linear + np.sqrt(root))
+    t[~(root >= 0.0) | ~(t > 0.0)] = np.inf
+    return min(1.0, float(t.min(initial=np.inf)))
+
+
+class _Blocks:
+    """Block diagonal matrices of 4 x 4 blocks."""
+
+    def __init__(self, count):
+        self.columns = np.arange(count)
+        self.begin = np.arange(count + 1)
+        self.size = 4 * count
+
+    def matrix(self, blocks):
+        from scipy.sparse import bsr_matrix
+
+        return bsr_matrix((blocks, self.columns, self.begin), shape=(self.size, self.size)).tocsr()
+
+
+def _solve(matrix, target):
+    """Solve a symmetric positive definite system."""
+    from scipy.sparse import diags
+    from scipy.sparse.linalg import splu
+
+    size = matrix.diagonal()
+    matrix = matrix + diags(1e-12 * size + 1e-14 * size.max(initial=1.0))
+    how = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    if not len(target):
+        return target
+    return splu(matrix.tocsc(), **how).solve(target)
+
+
 def _sparse(values, rows, columns, shape):
     from scipy.sparse import csr_matrix
 
     return csr_matrix((values, (rows, columns)), shape)
-
-
-def _factorise(matrix):
-    from scipy.sparse import diags
-    from scipy.sparse.linalg import splu
-
-    how = {
-        "permc_spec": "MMD_AT_PLUS_A",
-        "diag_pivot_thresh": 0.0,
-        "options": {"SymmetricMode": True},
-    }
-    try:
-        return splu(matrix, **how)
-    except RuntimeError:  # singular to the last digit; the refinement makes up for the change
-        return splu((matrix + 1e-12 * diags(matrix.diagonal())).tocsc(), **how)

@@ -9,23 +9,22 @@ import numpy as np
 import shapely
 
 from ..errors import Cancelled, Unsolvable
-from ..partition import polygon as polygon_stage
-from ..partition.triangulation import triangulate
-from ..rings import signed_areas
-from .crossings import FLAT, crossing_pairs, cycles, turned
-from .deformation import focus_program
+from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
+from .hierarchy import coarsen, reinsert
 from .measures import Distortion, distortion
-from .outline import carry, simplify
+from .mesh import frame_triangles, node, turned
 from .selection import select
-from .untangle import last_good, new_crossings, pair_keys, repair, settle
 
 __all__ = ["FocusMap", "enlarge"]
 
-ATTEMPTS = 4  # to solve, with more detail where lines crossed
-MOST = 3000  # vertices of the outline to solve on
+MOST = 3000  # vertices outside the focus to solve for
 POINT = 1e-12  # what is smaller than this share of the map is a point to the solver
-SIDES = 64  # a focus without vertices of the map gets about so many on its outline
+SIDES = 64  # a focus gets about so many vertices on its outline where the map has none
+GRID = 32  # free vertices along the longer side of the frame, where there is no polygon
+ROOM = 1.4  # of what the focus gains, how much the frame grows if it may
+PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
+ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
 
 
 class FocusMap(NamedTuple):
@@ -36,19 +35,21 @@ class FocusMap(NamedTuple):
     rows : (k, 2) float
         The input's points, moved.
     points, moved : (n, 2) float
-        All vertices before and after, the focus and the frame with them: what other layers are
-        carried by.
+        The vertices of the triangulation before and after.
+    triangles : (t, 3) int
+        All of the frame, counter-clockwise before and after: what other layers are carried by.
+    splits : (s, 3) float
+        Input rows that a vertex has to be put in after, as other lines meet the edge there: the row,
+        the place in ``points``, and the share of the way to the next row.
     edges : (e, 2) int
         Relevant edges: their ends as places in ``points``.
     kind : (e,) str
         'given' or 'selected', or 'join' between islands.
     scale : float
         That of the focus.
+    growth : (2,) float
+        How many times as wide and high the frame is.
     distortion : Distortion
-    crossings : int
-        Pairs of segments that cross and did not before.
-    problem : str
-        Why the map is not all that was asked for, or ''.
     skipped : list of str
         Why some polygons got no relevant edges.
     """
@@ -56,12 +57,13 @@ class FocusMap(NamedTuple):
     rows: np.ndarray
     points: np.ndarray
     moved: np.ndarray
+    triangles: np.ndarray
+    splits: np.ndarray
     edges: np.ndarray
     kind: np.ndarray
     scale: float
+    growth: np.ndarray
     distortion: Distortion
-    crossings: int
-    problem: str
     skipped: list
 
 
@@ -75,6 +77,8 @@ def enlarge(
     rule="MinSize",
     tau=2.0,
     frame=True,
+    growth=0.0,
+    aspect=1.0,
     most=MOST,
     progress=None,
     cancelled=None,
@@ -100,11 +104,15 @@ def enlarge(
     tau : float
         For the rule, and for the edges that join islands.
     frame : bool
-        Whether the map's extent is kept. If not, the map grows where it must, and its outermost
-        points keep their local scale.
+        Whether the map's extent is kept, but for ``growth``. If not, the map grows as it likes.
+    growth : float
+        By what share the frame may grow, at least 0.
+    aspect : float
+        How long a unit of x is on the ground, in units of y: the cosine of the middle latitude for a
+        map in degrees.
     most : int
-        Above this number of vertices, a simplified outline is solved for, and the detail carried
-        along.
+        Above this number of vertices outside the focus, a simplified map is solved for, and the
+        detail carried along.
     progress : callable, optional
         Called with the share done, 0 to 1.
     cancelled : callable, optional
@@ -113,19 +121,18 @@ def enlarge(
     Returns
     -------
     FocusMap
+        The focus is scaled exactly, and no triangle of the frame is turned.
 
     Raises
     ------
     Unsolvable
-        If there is nothing that could be enlarged; it says why.
-    Cancelled
+        If there is nothing that could be enlarged, or no room for it; it says why.
+    Cancelled, MissingEngine
 
     Notes
     -----
-    Least squares and contacts on ``most`` vertices; O(n log n) for the rest, and for each test for
-    crossings.
+    Newton steps on ``most`` vertices and the outline of the focus; O(n log n) for the rest.
     """
-
     done = [0.0]
 
     def stage(lo, hi):
@@ -148,134 +155,319 @@ def enlarge(
         raise Unsolvable(f"the scale must be a number above 0, and is {scale:g}")
     regions = _regions(focus)
     graph = build_graph(rows, starts)
-    graph, group, regions = _groups(graph, rows, starts, polygons, regions)
     low, high = rows.min(axis=0), rows.max(axis=0)
-    centre, unit = (low + high) / 2.0, float((high - low).max()) or 1.0
+    stretch = np.array([aspect, 1.0])
+    centre, unit = (low + high) / 2.0, float(((high - low) * stretch).max()) or 1.0
     if not np.isfinite(unit):
         raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
     _refuse_outlier(rows, starts, unit)
-    graph, group = _distinct(graph, group, rows, (graph.xy - centre) / unit)
+    unit = unit / stretch
+
+    def local(xy):
+        return (xy - centre) / unit
+
+    group, regions = _groups(graph, rows, starts, polygons, regions)
+    graph, group = _distinct(graph, group, rows, local(graph.xy))
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
+    box = local(low), local(high)
+    xy = local(graph.xy)
+    for corner in box:  # what is at a side but for rounding is on it
+        xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+    noded = node(xy, graph.edges, check)
+    regions = [shapely.transform(region, local) for region in regions]
+    land = _land(local(rows), starts, polygons)
+    mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
+    xy, group = mesh.xy, mesh.group
+    skipped = []
     if scale == 1.0:
-        return _unchanged(rows, graph, given)
-
-    xy = (graph.xy - centre) / unit
-    box = ((low - centre) / unit, (high - centre) / unit) if frame else None
-    origin = np.array([xy[group == g].mean(axis=0) for g in range(len(regions))])
-    inside = group >= 0
-    if frame:
-        _room(xy, group, scale, box, unit)
-
-    # the outline to solve on
-    needed = np.zeros(len(xy), dtype=bool)
-    needed[given.ravel()] = True
-    changes = group[graph.edges[:, 0]] != group[graph.edges[:, 1]]
-    needed[graph.edges[changes].ravel()] = True
-    for axis in (0, 1):
-        needed[[xy[:, axis].argmin(), xy[:, axis].argmax()]] = True
-    known = pair_keys(crossing_pairs(xy, graph.edges), len(graph.edges))
-    watched = cycles(len(xy), graph.edges)
-    steady = inside.copy()
-    for axis in (0, 1):
-        steady[[xy[:, axis].argmin(), xy[:, axis].argmax()]] |= frame
-    for attempt in range(ATTEMPTS):
-        outline = simplify(xy, graph.edges, needed, most, check)
-        kept = np.zeros(len(xy), dtype=bool)
-        kept[outline.kept] = True
-        skipped, chosen = [], given
-        if edges is None:
-            check = stage(0.05, 0.15)
-            chosen = _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check)
-        chosen = unique_pairs(chosen, len(xy))
-        check = stage(0.15, 0.75)
-        if inside.all():
-            after, bridges = origin[group] + scale * (xy - origin[group]), given[:0]
-            problem = ""
-            break
-        after, bridges, problem = _solved(
-            xy, outline, chosen, group, origin, scale, tau, frame, box, check
-        )
-        check = stage(0.75, 0.9)
-        if problem or not len(outline.rider):
-            break
-        # what the outline did not know
-        after = repair(xy, after, graph.edges, known, watched, steady, box, check)
-        crossed = graph.edges[new_crossings(after, graph.edges, known)]
-        crossed = np.concatenate((crossed.ravel(), turned(xy, after, watched).ravel()))
-        if not len(crossed):
-            break
-        _refine(xy, outline, crossed, needed)
-    turned_over = _turned_over(graph, xy, starts, polygons)
-    shapes = _shapes(graph, starts, polygons)
-    was_valid = shapely.is_valid(shapes(xy))
-
-    def faulty(positions):
-        check()
-        if box is not None and np.maximum(box[0] - positions, positions - box[1]).max() > 1e-8:
-            return True
-        if len(new_crossings(positions, graph.edges, known)) or len(turned(xy, positions, watched)):
-            return True
-        if turned_over(positions):
-            return True
-        return bool((was_valid & ~shapely.is_valid(shapes(positions))).any())
-
-    reached = scale
-    if problem or faulty(after):
-        problem = problem or "lines would cross, shapes turn over, or something leave the frame"
-        after, share = last_good(xy, after, faulty)
-        reached = 1.0 + share * (scale - 1.0)
-    if box is not None:
-        after = np.where(inside[:, None], after, np.clip(after, box[0], box[1]))
-    check = stage(0.9, 1.0)
-    shift = unit * (after - xy)  # what does not move does not change a bit
-    check(0.0)
+        shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
+    else:
+        needed = np.zeros(len(xy), dtype=bool)
+        needed[given.ravel()] = True
+        for attempt in range(ATTEMPTS):
+            check = stage(0.05, 0.2)
+            coarse = coarsen(xy, mesh.triangles, noded.edges, mesh.removable & ~needed, mesh.rigid, most,
+                             check)
+            skipped, chosen = [], given
+            if edges is None:
+                check = stage(0.2, 0.3)
+                chosen = _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check)
+            chosen = unique_pairs(chosen, len(xy))
+            solid = np.concatenate((coarse.edges, chosen))
+            check = stage(0.3, 0.85)
+            shift, bridges, size = _solved(mesh, coarse, solid, scale, tau, frame, growth, check)
+            check = stage(0.85, 0.95)
+            for g in np.unique(group[group >= 0]):  # exact, to the last digit
+                mine = np.flatnonzero(group == g)
+                anchor = mine[np.argmax(~mesh.rigid[mine])]
+                shift[mine] = shift[anchor] + (scale - 1.0) * (xy[mine] - xy[anchor])
+            if not frame:  # the first region stays where it is
+                mine = np.flatnonzero(group == 0)
+                own = mine[mesh.map_vertex[mine]] if mesh.map_vertex[mine].any() else mine
+                middle = xy[own].mean(axis=0)
+                shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
+            shift = reinsert(coarse, xy, shift, mesh.rigid, check)
+            bad = turned(xy, xy + shift, mesh.triangles)
+            if not bad.any():
+                break
+            needed[mesh.triangles[bad]] = True
+        else:
+            x, y = graph.xy[mesh.triangles[bad].min()]
+            raise Unsolvable(
+                f"lines of the map are too close to each other to be moved without a fold, near ({x:g} "
+                f"{y:g})"
+            )
+    check = stage(0.95, 1.0)
+    if not np.isfinite(unit * shift).all():
+        raise Unsolvable("the map could not be solved: some positions are not finite numbers")
+    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy):]))
+    moved = unit * shift  # what does not move does not change a bit
+    inside = _covered(mesh, noded, land, check)
+    check(1.0)
     return FocusMap(
-        rows=rows + shift[graph.vertex[:len(rows)]],
-        points=graph.xy,
-        moved=graph.xy + shift,
+        rows=rows + moved[graph.vertex],
+        points=points,
+        moved=points + moved,
+        triangles=mesh.triangles,
+        splits=_row_splits(noded, graph, starts),
         edges=np.concatenate((chosen, bridges)),
         kind=np.array(["selected" if edges is None else "given"] * len(chosen)
                       + ["join"] * len(bridges)),
-        scale=float(reached),
-        distortion=distortion(xy, after, _triangles(graph, xy, starts, polygons, check)),
-        crossings=len(new_crossings(after, graph.edges, known)),
-        problem=problem,
+        scale=float(scale),
+        growth=size,
+        distortion=distortion(xy, xy + shift, mesh.triangles[inside]),
         skipped=skipped,
     )
 
 
-def _solved(xy, outline, chosen, group, origin, scale, tau, frame, box, check):
-    """Positions of all vertices, the edges that join islands, and what is wrong, or ''."""
-    place = np.full(len(xy), -1)
-    place[outline.kept] = np.arange(len(outline.kept))
-    solid = np.concatenate((outline.edges, chosen))
-    bridges = outline.kept[joins(xy[outline.kept], place[solid], tau)]
-    links = unique_pairs(place[np.concatenate((solid, bridges))], len(outline.kept))
-    segments = place[solid]  # diagonals too: the parts of the map stay in their places
-    start = xy[outline.kept]
-    known = pair_keys(crossing_pairs(start, segments), len(segments))
-    watched = cycles(len(start), unique_pairs(place[outline.edges], len(start)))
-    fixed = _fixed(start, group[outline.kept], origin, scale, frame)
-    program = focus_program(start, links, group[outline.kept], origin, scale, fixed)
-    solved, s, problem = settle(program, segments, known, watched, box, check)
-    after, local = xy.copy(), np.ones(len(xy))
-    after[outline.kept], local[outline.kept] = solved, s
-    after = carry(outline, xy, after, local)
-    is_kept = place >= 0
-    for g in range(len(origin)):  # exact, to the last digit
-        mine = np.flatnonzero(group == g)
-        anchor = mine[np.argmax(is_kept[mine])]
-        after[mine] = after[anchor] + scale * (xy[mine] - xy[anchor])
-    return after, bridges, problem
+class _Mesh(NamedTuple):
+    """The triangulation of the frame, and what its vertices are."""
+
+    xy: np.ndarray
+    triangles: np.ndarray
+    map_vertex: np.ndarray
+    group: np.ndarray  # the region in focus, -1 for none
+    side: tuple  # vertices on the left, right, lower, upper side
+    padded: np.ndarray  # (2,): what the frame gives back on both sides along each axis
+    removable: np.ndarray
+    rigid: np.ndarray
 
 
-def _refine(xy, outline, crossed, needed):
-    """Keep more detail of the outline around vertices of what crosses."""
+def _mesh(noded, group, regions, land, box, frame, scale, check):
+    """Triangulate the frame: the map, and free vertices where there is no polygon."""
+    n = len(noded.xy)
+    group = np.concatenate((group, np.full(n - len(group), -1)))
+    for g, region in enumerate(regions):
+        new = np.flatnonzero(group < 0)
+        group[new[_inside(region, noded.xy[new])]] = g
+    low, high = (corner.copy() for corner in box)
+    size, padded = high - low, np.zeros(2)
+    for axis in (0, 1):
+        flat = size[axis] < 1e-3 * size.max() or size.max() == 0.0
+        x = noded.xy[:, axis]
+        spans = set(group[x <= low[axis]].tolist()) & set(group[x >= high[axis]].tolist()) - {-1}
+        pad = 0.5 if flat else PAD if spans and frame and scale < 1.0 else 0.0
+        low[axis] -= pad
+        high[axis] += pad
+        padded[axis] = 0.0 if flat else pad
+    cell = (high - low).max() / GRID
+    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+    along = [np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1)
+             for axis in (0, 1)]
+    grid = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = grid[~((grid == low) | (grid == high)).all(axis=1)]
+    on_side = ((grid == low) | (grid == high)).any(axis=1)
+    grid = grid[on_side | ~_on_land(land, grid)]
+    extra, own, gap = [grid], [np.full(len(grid), -1)], [np.full(len(grid), 0.3 * cell)]
+    for g, region in enumerate(regions):
+        own[0][_inside(region, grid) & ~((grid == low) | (grid == high)).any(axis=1)] = g
+        seen = shapely.get_parts(shapely.intersection(region, shapely.box(*low, *high)))
+        # where the map's own vertices tell the region well, its polygons get no others
+        hull = shapely.area(shapely.convex_hull(shapely.multipoints(noded.xy[group == g])))
+        told = hull > shapely.area(seen).sum() / 4.0
+        for part in seen[shapely.area(seen) > 0.0]:
+            step = shapely.length(part) / SIDES
+            ring = np.unique(shapely.get_coordinates(shapely.segmentize(part, step)), axis=0)
+            # not on one line, or the triangles between them would be flat
+            ring += np.random.default_rng(1).uniform(-0.05, 0.05, ring.shape) * step
+            ring = ring[((ring > low + 1e-9) & (ring < high - 1e-9)).all(axis=1)]
+            if told:
+                ring = ring[~_on_land(land, ring)]
+            extra.append(ring)
+            own.append(np.full(len(ring), g))
+            gap.append(np.full(len(ring), 0.2 * min(step, cell) if (group == g).any() else 1e-6))
+    extra, own = np.concatenate(extra), np.concatenate(own)
+    kept = np.flatnonzero(_roomy(extra, noded, np.concatenate(gap)))
+    kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
+    for g in range(len(regions)):
+        if not (group == g).any() and not (own[kept] == g).any():
+            raise Unsolvable(
+                "the focus lies between lines that leave no room in it. Choose a larger region"
+            )
+    known = {tuple(point) for point in noded.xy[
+        ((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()}
+    corners = np.array([p for p in corners.tolist() if tuple(p) not in known]).reshape(-1, 2)
+    xy = np.concatenate((noded.xy, corners, extra[kept]))
+    group = np.concatenate((group, np.full(len(corners), -1), own[kept]))
+    side, rim = [], []
+    for axis in (0, 1):
+        for value in (low[axis], high[axis]):
+            on = np.flatnonzero(xy[:, axis] == value)
+            side.append(on)
+            on = on[np.argsort(xy[on, 1 - axis])]
+            rim.append(np.column_stack((on[:-1], on[1:])))
+    check()
+    segments = unique_pairs(np.concatenate([noded.edges] + rim), len(xy))
+    triangles = frame_triangles(xy, segments)
+    own = group[triangles]
+    mixed = (own.min(axis=1) != own.max(axis=1)) | (own[:, 0] < 0)
+    rigid = group >= 0
+    rigid[triangles[mixed]] = False
+    removable = np.arange(len(xy)) < n
+    removable[np.concatenate(side)] = False
+    removable &= rigid | (group < 0)
+    return _Mesh(xy, triangles, np.arange(len(xy)) < n, group, tuple(side), padded, removable, rigid & removable)
+
+
+def _on_land(land, points):
+    """Which points lie in a polygon."""
+    found = np.zeros(len(points), dtype=bool)
+    if len(land):
+        found[shapely.STRtree(land).query(shapely.points(points), predicate="intersects")[0]] = True
+    return found
+
+
+def _roomy(points, noded, least):
+    """Which points are far enough from the map."""
     from scipy.spatial import cKDTree
 
-    near = cKDTree(xy[outline.rider]).query_ball_point(xy[np.unique(crossed)], 0.005)
-    needed[outline.rider[np.unique(np.concatenate(near).astype(np.int64))]] = True
+    free = cKDTree(noded.xy).query(points)[0] > least
+    if len(noded.edges):
+        lines = shapely.STRtree(shapely.linestrings(noded.xy[noded.edges]))
+        near = np.flatnonzero(free)
+        hit = lines.query(shapely.points(points[near]), predicate="dwithin", distance=least[near])[0]
+        free[near[hit]] = False
+    return free
+
+
+def _apart(points, least, group):
+    """Of points, those of the focus, and others that are not close to these."""
+    from scipy.spatial import cKDTree
+
+    focus = group >= 0
+    if not focus.any() or focus.all():
+        return np.arange(len(points))
+    far = cKDTree(points[focus]).query(points)[0] > least
+    return np.flatnonzero(focus | far)
+
+
+def _land(rows, starts, polygons):
+    """The polygons of the map, mended where they are not valid."""
+    made = []
+    for lines in polygons:
+        rings = [_ring(rows, starts, k) for k in lines if starts[k + 1] - starts[k] >= 4]
+        if rings:
+            made.append(shapely.polygons(rings[0], np.array(rings[1:], dtype=object) if rings[1:] else None))
+    made = np.array(made, dtype=object)
+    wrong = ~shapely.is_valid(made)
+    made[wrong] = shapely.make_valid(made[wrong])
+    return made
+
+
+def _ring(rows, starts, k):
+    return shapely.linearrings(rows[starts[k]:starts[k + 1]])
+
+
+def _covered(mesh, noded, land, check):
+    """Which triangles lie in a polygon of the map."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    t, n = len(mesh.triangles), len(mesh.xy)
+    if not len(land):
+        return np.zeros(t, dtype=bool)
+    ends = np.sort(mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    key = ends[:, 0] * n + ends[:, 1]
+    order = np.argsort(key, kind="stable")
+    twin = np.flatnonzero(key[order][1:] == key[order][:-1])
+    twin = twin[~np.isin(key[order][twin], noded.edges[:, 0] * n + noded.edges[:, 1])]
+    one, other = order[twin] // 3, order[twin + 1] // 3
+    check()
+    face = connected_components(coo_matrix((np.ones(len(one)), (one, other)), (t, t)), directed=False)[1]
+    a, b, c = mesh.xy[mesh.triangles].transpose(1, 0, 2)
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    by_size = np.argsort(area)
+    largest = np.empty(face.max() + 1, dtype=np.int64)
+    largest[face[by_size]] = by_size
+    middle = mesh.xy[mesh.triangles[largest]].mean(axis=1)
+    found = shapely.STRtree(land).query(shapely.points(middle), predicate="intersects")[0]
+    is_land = np.zeros(len(largest), dtype=bool)
+    is_land[found] = True
+    return is_land[face]
+
+
+def _row_splits(noded, graph, starts):
+    """Where rows have a vertex put in after them: the row, the vertex, the share of the way."""
+    nothing = np.empty((0, 3))
+    if not len(noded.splits):
+        return nothing
+    n = len(noded.xy)
+    inside = np.ones(len(graph.vertex), dtype=bool)
+    inside[starts[1:][starts[1:] > 0] - 1] = False
+    row = np.flatnonzero(inside)
+    u, v = graph.vertex[row], graph.vertex[row + 1]
+    key = np.minimum(u, v) * n + np.maximum(u, v)
+    wanted = noded.splits[:, 0] * n + noded.splits[:, 1]
+    order = np.argsort(wanted, kind="stable")
+    lo = np.searchsorted(wanted, key, side="left", sorter=order)
+    hi = np.searchsorted(wanted, key, side="right", sorter=order)
+    count = hi - lo
+    row, u, v, lo = row[count > 0], u[count > 0], v[count > 0], lo[count > 0]
+    count = count[count > 0]
+    which = np.repeat(np.arange(len(row)), count)
+    place = np.repeat(lo, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    vertex = noded.splits[order[place], 2]
+    start, along = noded.xy[u[which]], noded.xy[v[which]] - noded.xy[u[which]]
+    t = ((noded.xy[vertex] - start) * along).sum(axis=1) / (along * along).sum(axis=1)
+    result = np.column_stack((row[which], vertex, t))
+    return result[np.lexsort((t, row[which]))]
+
+
+def _solved(mesh, coarse, solid, scale, tau, frame, growth, check):
+    """The shift of the coarse vertices, the edges that join islands, and the growth of the frame."""
+    n = len(mesh.xy)
+    kept, inverse = np.unique(coarse.triangles, return_inverse=True)
+    triangles = inverse.reshape(-1, 3)
+    place = np.full(n, -1)
+    place[kept] = np.arange(len(kept))
+    xy, group = mesh.xy[kept], mesh.group[kept]
+    lines = place[solid]
+    used = np.unique(lines)
+    used = np.union1d(used, place[np.flatnonzero(mesh.map_vertex & (place >= 0))])
+    back = np.full(len(kept), -1)
+    back[used] = np.arange(len(used))
+    bridges = used[joins(xy[used], back[lines], tau)]
+    links = unique_pairs(np.concatenate((lines, bridges)), len(kept))
+    origin = np.array([xy[group == g].mean(axis=0) if (group == g).any() else (0.0, 0.0)
+                       for g in range(group.max() + 1)])
+    side = [place[one] for one in mesh.side]
+    size = _frame(mesh, xy, links, group, origin, scale, frame, growth)
+    fixed = []
+    for axis in (0, 1):
+        width = np.ptp(xy[:, axis])
+        more = (size[axis] - 1.0) * (width - 2.0 * mesh.padded[axis]) / 2.0 - mesh.padded[axis]
+        fixed += [(axis, side[2 * axis], -more), (axis, side[2 * axis + 1], more)]
+    moved, reached = relax(xy, triangles, links, group, origin, scale, fixed, check)
+    if reached < 1.0:
+        room = 1.0 + reached * (scale - 1.0)
+        raise Unsolvable(
+            f"there is no room for a scale of {scale:.10g}: it ends at {math.floor(room * 100) / 100:g}. "
+            "Choose a smaller scale, a larger map around the region, or let the map grow"
+        )
+    shift = np.zeros((n, 2))
+    shift[kept] = moved
+    return shift, kept[bridges], size
 
 
 def _regions(focus):
@@ -289,45 +481,6 @@ def _regions(focus):
     touching = np.stack(shapely.STRtree(parts).query(parts, predicate="intersects"), axis=1)
     whole = components(len(parts), touching)
     return [shapely.multipolygons(parts[whole == k]) for k in range(whole.max() + 1)]
-
-
-def _groups(graph, rows, starts, polygons, regions):
-    """The graph, the region of each vertex (-1: none), and the regions that touch the map.
-
-    A region without vertices gives its own outline to the graph, to push the rest away.
-    """
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    extent = shapely.box(*low, *high)
-    used, outlines = [], []
-    for region in regions:
-        if _inside(region, graph.xy).any():
-            used.append(region)
-        elif _meets(region, rows, starts, polygons):
-            used.append(region)
-            seen = shapely.get_parts(shapely.intersection(region, extent))
-            for part in seen[shapely.area(seen) > 0.0]:
-                step = shapely.length(part) / SIDES
-                ring = shapely.get_coordinates(shapely.segmentize(part, step).exterior)
-                outlines.append((len(used) - 1, ring))
-    if not used:
-        raise Unsolvable(
-            "the focus touches nothing: no vertex, line or polygon of the input lies in it. "
-            "Are the CRS of both layers right?"
-        )
-    if outlines:
-        lengths = [len(ring) for _, ring in outlines]
-        graph = build_graph(
-            np.concatenate([rows] + [ring for _, ring in outlines]),
-            np.append(starts, starts[-1] + np.cumsum(lengths)),
-        )
-    group = np.full(len(graph.xy), -1)
-    for g, region in enumerate(used):
-        group[_inside(region, graph.xy)] = g
-    place = len(rows)
-    for g, ring in outlines:
-        group[graph.vertex[place:place + len(ring)]] = g
-        place += len(ring)
-    return graph, group, used
 
 
 def _refuse_outlier(rows, starts, unit):
@@ -405,76 +558,81 @@ def _meets(region, rows, starts, polygons):
     return False
 
 
-def _unchanged(rows, graph, given):
-    """The map at scale 1."""
-    return FocusMap(
-        rows=rows.copy(), points=graph.xy, moved=graph.xy, edges=given,
-        kind=np.array(["given"] * len(given)), scale=1.0, distortion=Distortion(0.0, 0.0, 0.0),
-        crossings=0, problem="", skipped=[],
-    )  # fmt: skip
-
-
-def _room(xy, group, scale, box, unit):
-    """Complain if the focus cannot fit in the frame."""
-    if (group >= 0).all() and len(np.unique(group)) == 1:
+def _groups(graph, rows, starts, polygons, regions):
+    """The region of each vertex (-1: none), and the regions that touch the map."""
+    used, group = [], np.full(len(graph.xy), -1)
+    for region in regions:
+        mine = _inside(region, graph.xy)
+        if mine.any() or _meets(region, rows, starts, polygons):
+            group[mine] = len(used)
+            used.append(region)
+    if not used:
         raise Unsolvable(
-            "the focus covers all of the input, so nothing can make room for it. Choose a smaller "
-            "focus, or let the map grow (switch the frame off)"
+            "the focus touches nothing: no vertex, line or polygon of the input lies in it. "
+            "Are the CRS of both layers right?"
         )
+    return group, used
+
+
+def _frame(mesh, xy, links, group, origin, scale, frame, growth):
+    """How many times as wide and high the frame becomes."""
+    width = np.ptp(xy, axis=0) - 2.0 * mesh.padded
+    place = np.flatnonzero(np.bincount(links.ravel(), minlength=len(xy)) > 0)
+    wanted = np.ones(2)
+    if frame:
+        # what the focus gains is what the rest lacks; with ROOM of it the rest hardly bends
+        gain = sum((scale - 1.0) * np.ptp(xy[group == g], axis=0) for g in np.unique(group[group >= 0]))
+        wanted += ROOM * (gain / width).max()
+    elif len(place):
+        # as wide as it would like to be if its outermost points kept their scale
+        ends = np.concatenate([[place[xy[place, axis].argmin()], place[xy[place, axis].argmax()]]
+                               for axis in (0, 1)])
+        first = np.flatnonzero(group >= 0)[0]
+        fixed = [(axis, np.array([first]), 0.0) for axis in (0, 1)]
+        free = xy + unbounded(xy, links, group, origin, scale, fixed, ends)
+        before, after = np.ptp(xy[place], axis=0), np.ptp(free[place], axis=0)
+        wanted = np.divide(after, before, out=np.ones(2), where=before > 1e-9)
+    wanted = np.where(np.isfinite(wanted), wanted, 1.0)
+    least = np.ones(2)
     for g in np.unique(group[group >= 0]):
-        size = np.ptp(xy[group == g], axis=0)
-        room = box[1] - box[0]
-        # across a map that is flat, nothing needs room
-        largest = np.min(np.divide(room, size, out=np.full(2, np.inf), where=size > 0.0))
-        if scale > max(largest, 1.0) * (1.0 + 1e-9):
+        mine = group == g
+        for axis in (0, 1):
+            share = scale * np.ptp(xy[mine, axis]) / width[axis]
+            touches = [mine[side].any() for side in _sides(xy, axis)]
+            least[axis] = max(least[axis], share if all(touches) else share * 1.02)
+            if all(touches):
+                wanted[axis] = max(share, 1.0) if frame else share
+    limit = np.full(2, 1.0 + growth if frame else np.inf)
+    if frame:
+        wanted = np.clip(wanted, 1.0, limit)
+    # a flat map, or a frame beside the region, has room
+    wanted = np.maximum(wanted, np.where(least > 1.0, least, 0.0))
+    if (wanted > limit * (1.0 + 1e-9)).any():
+        largest = math.floor((scale * limit / wanted).min() * 1000.0) / 1000.0
+        if (group[place] >= 0).all() and group.max() == 0:
             raise Unsolvable(
-                f"enlarged {scale:.10g} times, the focus is larger than the frame, which leaves room "
-                f"for a scale of {math.floor(largest * 1000.0) / 1000.0:g}. Choose a smaller scale, or "
-                "let the map grow (switch the frame off)"
+                "the focus covers all of the input, so nothing can make room for it. Choose a smaller "
+                "focus, or let the map grow"
             )
+        raise Unsolvable(
+            f"enlarged {scale:.10g} times, the focus is larger than the frame, which leaves room for a "
+            f"scale of {largest:g}. Choose a smaller scale, or let the map grow"
+        )
+    return wanted
 
 
-def _fixed(xy, group, origin, scale, frame):
-    """Coordinates and scales that are fixed; see `deformation.focus_program`."""
-    region = np.flatnonzero(group >= 0)
-    fixed = []
-    if not frame:
-        # the first region stays where it is, and the outermost points keep their size
-        v = region[group[region] == group[region].min()][0]
-        at = (scale - 1.0) * (xy[v] - origin[group[v]])
-        fixed += [(axis, v, at[axis]) for axis in (0, 1)]
-    for axis in (0, 1):
-        first = np.flatnonzero(xy[:, axis] <= xy[:, axis].min() + 1e-12).tolist()
-        last = np.flatnonzero(xy[:, axis] >= xy[:, axis].max() - 1e-12).tolist()
-        if not frame:
-            fixed += [(2, v, 0.0) for v in first + last if group[v] < 0]
-            continue
-        both = set(group[first].tolist()) & set(group[last].tolist()) - {-1}
-        for v in first + last:
-            # a region that reaches from side to side, and shrinks, leaves both
-            g = group[v]
-            middle = (scale - 1.0) * (xy[v, axis] - origin[g, axis])
-            fixed.append((axis, v, middle if g in both else 0.0))
-    return fixed
+def _sides(xy, axis):
+    """Vertices on the first and the last side."""
+    return (np.flatnonzero(xy[:, axis] == end(xy[:, axis])) for end in (np.min, np.max))
 
 
-def _rings(graph, starts, lines, kept=None):
-    """Vertices of closed lines, none repeated at the end, and where each ring starts."""
-    rings = []
-    for line in lines:
-        ring = graph.vertex[starts[line]:starts[line + 1]]
-        ring = ring[:-1] if len(ring) > 1 and ring[0] == ring[-1] else ring
-        rings.append(ring if kept is None else ring[kept[ring]])
-    rings = rings[:1] + [ring for ring in rings[1:] if len(ring) > 2]
-    return np.concatenate(rings), np.append(0, np.cumsum([len(ring) for ring in rings]))
-
-
-def _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check):
-    """Relevant edges of all polygons, and of the faces between lines."""
+def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
+    """Relevant edges of all polygons, and of the faces between lines, of what is left of them."""
     if rule == "None":
         return np.empty((0, 2), dtype=np.int64)
     extent = float(np.hypot(*np.ptp(xy, axis=0)))
     chosen = [np.empty((0, 2), dtype=np.int64)]
+    vertex = coarse.into[graph.vertex]
 
     def add(vertices, offsets, name):
         if offsets[1] < 4:
@@ -485,80 +643,44 @@ def _selected(graph, xy, starts, polygons, kept, rule, tau, skipped, check):
         except Unsolvable as reason:
             skipped.append(f"{name}: {reason}")
 
+    def add_shape(shape, name):
+        rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(shape)]
+        offsets = np.append(0, np.cumsum([len(ring) for ring in rings]))
+        vertices = match(xy, np.concatenate(rings))
+        if (vertices >= 0).all():
+            add(vertices, offsets, name)
+
+    first = np.append(True, vertex[1:] != vertex[:-1])
+    first[starts[:-1][np.diff(starts) > 0]] = True
+    left = np.append(0, np.cumsum(first))[starts]
+    short = vertex[first]
     for number, lines in enumerate(polygons):
         check(number / len(polygons))
-        add(*_rings(graph, starts, lines, kept), f"polygon {number + 1}")
+        rings = [short[left[k]:left[k + 1]][:-1] for k in lines]
+        if len(rings[0]) < 4:
+            continue
+        rings = rings[:1] + [ring for ring in rings[1:] if len(ring) > 2]
+        vertices = np.concatenate(rings)
+        name = f"polygon {number + 1}"
+        if len(np.unique(vertices)) == len(vertices):
+            add(vertices, np.append(0, np.cumsum([len(ring) for ring in rings])), name)
+            continue
+        closed = np.concatenate([np.append(ring, ring[0]) for ring in rings])
+        ends = np.append(0, np.cumsum([len(ring) + 1 for ring in rings]))
+        shape = _land(xy[closed], ends, [list(range(len(rings)))])[0]
+        for part in shapely.get_parts(shapely.get_parts(shape)):
+            if shapely.get_type_id(part) == 3:
+                add_shape(part, name)
     is_line = np.ones(len(starts) - 1, dtype=bool)
     is_line[[line for lines in polygons for line in lines]] = False
-    pairs = []
-    for line in np.flatnonzero(is_line):
-        way = graph.vertex[starts[line]:starts[line + 1]]
-        way = way[kept[way]]
-        pairs.append(np.column_stack((way[:-1], way[1:])))
-    if pairs:
-        pairs = unique_pairs(np.concatenate(pairs), len(xy))
+    if is_line.any():
+        of_line = np.repeat(is_line, np.diff(left))
+        inner = np.ones(len(short) - 1, dtype=bool)
+        inner[left[1:-1][(left[1:-1] > 0) & (left[1:-1] < len(short))] - 1] = False
+        pairs = np.column_stack((short[:-1], short[1:]))[inner & of_line[:-1]]
+        pairs = unique_pairs(pairs, len(xy))
         faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[pairs])))
         for number, face in enumerate(faces):
             check()
-            rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(face)]
-            offsets = np.append(0, np.cumsum([len(ring) for ring in rings]))
-            add(match(xy, np.concatenate(rings)), offsets, f"face {number + 1} between the lines")
+            add_shape(face, f"face {number + 1} between the lines")
     return np.concatenate(chosen)
-
-
-def _turned_over(graph, xy, starts, polygons):
-    """A function that tells of positions whether a ring has turned over; no edges need cross for that."""
-    lines = [k for polygon in polygons for k in polygon if starts[k + 1] > starts[k]]
-    if not lines:
-        return lambda positions: False
-    rows = np.concatenate([graph.vertex[starts[k]:starts[k + 1]] for k in lines])
-    offsets = np.append(0, np.cumsum([starts[k + 1] - starts[k] for k in lines]))
-    before = signed_areas(xy[rows], offsets)
-    step = np.hypot(*np.diff(xy[rows], axis=0, append=xy[rows[:1]]).T)
-    seen = np.abs(before) > FLAT * np.add.reduceat(step, offsets[:-1])
-
-    def turned_over(positions):
-        return bool((seen & (signed_areas(positions[rows], offsets) * before < 0.0)).any())
-
-    return turned_over
-
-
-def _shapes(graph, starts, polygons):
-    """A function that makes the polygons of positions, to see whether they are valid."""
-    usable = [
-        lines for lines in polygons if all(starts[k + 1] - starts[k] >= 4 for k in lines)
-    ]
-    if not usable:
-        return lambda positions: np.empty(0, dtype=object)
-    lines = np.array([line for polygon in usable for line in polygon])
-    rows = np.concatenate([graph.vertex[starts[k]:starts[k + 1]] for k in lines])
-    number = np.repeat(np.arange(len(lines)), (starts[1:] - starts[:-1])[lines])
-    bounds = np.append(0, np.cumsum([len(polygon) for polygon in usable])).tolist()
-
-    def shapes(positions):
-        rings = shapely.linearrings(positions[rows], indices=number)
-        made = shapely.polygons(rings[bounds[:-1]])
-        for k, (lo, hi) in enumerate(zip(bounds[:-1], bounds[1:])):
-            if hi - lo > 1:
-                made[k] = shapely.polygons(rings[lo], rings[lo + 1:hi])
-        return made
-
-    return shapes
-
-
-def _triangles(graph, xy, starts, polygons, check):
-    """The triangles of all polygons, as vertices."""
-    found = [np.empty((0, 3), dtype=np.int64)]
-    for number, lines in enumerate(polygons):
-        check(number / len(polygons))
-        vertices, offsets = _rings(graph, starts, lines)
-        if offsets[1] < 3:
-            continue
-        try:
-            polygon = polygon_stage.one(xy[vertices], offsets)
-            corner = np.empty(len(polygon.xy), dtype=np.int64)
-            corner[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
-            found.append(vertices[corner[triangulate(polygon)[0]]])
-        except Unsolvable:
-            continue
-    return np.concatenate(found)

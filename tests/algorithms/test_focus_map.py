@@ -55,7 +55,7 @@ def points(geometry):
 
 
 def parameters(land, focus, **more):
-    return {"INPUT": land, "FOCUS": focus, "SCALE": 1.3, "OUTPUT": "memory:", **more}
+    return {"INPUT": land, "FOCUS": focus, "SCALE": 1.3, "GROWTH": 0, "OUTPUT": "memory:", **more}
 
 
 def test_map(run, land, focus, feedback):
@@ -154,11 +154,50 @@ def test_lines(run, layer, focus):
     assert a[1, 0] - a[0, 0] == pytest.approx(13.0, abs=1e-8)
 
 
-def test_degrees_are_refused(provider, layer, focus):
-    tool = QgsApplication.processingRegistry().algorithmById(TOOL)
-    land = layer("Polygon?crs=EPSG:4326", [(f"POLYGON(({DUMBBELL}))", [])])
-    ok, message = tool.checkParameterValues(parameters(land, focus), QgsProcessingContext())
-    assert not ok and "degrees" in message and "Reproject" in message
+def test_degrees(run, layer, feedback):
+    """Solved in a projection, and back in degrees; a degree of longitude is half as long as one of latitude."""
+    ring = [(10 + x, 60 + y) for x in (0, 1, 2, 3, 4) for y in (0,)] + [(14, 62), (10, 62)]
+    wkt = "POLYGON((" + ", ".join(f"{x} {y}" for x, y in ring + ring[:1]) + "))"
+    land = layer("Polygon?crs=EPSG:4326", [(wkt, [])])
+    focus = layer("Polygon?crs=EPSG:4326", [("POLYGON((11 59, 13.5 59, 13.5 61, 11 61, 11 59))", [])])
+    results = run(TOOL, parameters(land, focus, GROWTH=50), feedback)
+    after = points(features(results)[0].geometry())
+    assert results["OUTPUT"].crs().authid() == "EPSG:4326"
+    assert np.allclose(after[2:4] - after[1], [(1.3, 0.0), (2.6, 0.0)], atol=1e-9)
+    assert any("latitude 61.0" in text for text in feedback.infos)
+
+
+def test_degrees_stay_on_the_globe(run, layer):
+    ring = [(x, -90) for x in range(-180, 181, 30)] + [(180, 90), (-180, 90), (-180, -90)]
+    wkt = "POLYGON((" + ", ".join(f"{x} {y}" for x, y in ring) + "))"
+    land = layer("Polygon?crs=EPSG:4326", [(wkt, []), ("POLYGON((0 0, 20 0, 20 20, 0 20, 0 0))", [])])
+    focus = layer("Polygon?crs=EPSG:4326", [("POLYGON((-1 -1, 21 -1, 21 21, -1 21, -1 -1))", [])])
+    results = run(TOOL, parameters(land, focus, SCALE=2, GROWTH=50))
+    world, island = (points(f.geometry()) for f in features(results))
+    assert np.ptp(island, axis=0) == pytest.approx((40.0, 40.0)) and (np.abs(world) <= (180, 90)).all()
+
+
+def test_growth(run, land, focus):
+    """The default lets the map grow by what it needs, half as much again at most."""
+    results = run(TOOL, {"INPUT": land, "FOCUS": focus, "SCALE": 2.0, "OUTPUT": "memory:"})
+    box = features(results)[0].geometry().boundingBox()
+    assert 30 < box.width() <= 45 + 1e-9 and 30 < box.height() <= 45 + 1e-9
+
+
+def test_a_vertex_on_the_edge_of_a_neighbour_stays_on_it(run, layer, focus):
+    """The neighbour gets a point there, with its Z."""
+    land = layer("PolygonZ?crs=EPSG:3035", [
+        ("POLYGON Z((0 0 0, 10 0 0, 10 10 8, 0 10 0, 0 0 0))", []),
+        ("POLYGON Z((10 0 0, 20 0 0, 20 5 0, 10 5 1, 10 0 0))", []),
+        ("POLYGON Z((10 5 1, 20 5 0, 20 10 0, 10 10 8, 10 5 1))", []),
+    ])  # fmt: skip
+    focus = layer("Polygon?crs=EPSG:3035", [("POLYGON((4 4, 12 4, 12 6, 4 6, 4 4))", [])])
+    first, second, third = (f.geometry() for f in features(run(TOOL, parameters(land, focus))))
+    shared = [(v.x(), v.y()) for v in second.vertices()][3]
+    assert shared in [(v.x(), v.y()) for v in first.vertices()]
+    assert [v.z() for v in first.vertices()] == [0, 0, 4, 8, 0, 0]
+    assert first.intersection(second).area() == pytest.approx(0.0, abs=1e-12)
+    assert first.isGeosValid() and third.isGeosValid()
 
 
 @pytest.mark.parametrize("wkt, words", [

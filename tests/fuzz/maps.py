@@ -248,6 +248,7 @@ def focus_cases(draw, kinds=("areas", "areas", "lines", "crossing", "points")):
             "SCALE": draw(weights(1.0, 1.0 + 1e-9, *[1.1, 1.3, 1.3, 1.5, 2.0] * 3, 3.0, 100.0, 0.5, 0.9, 0.1)),
             "SELECTION": draw(weights("MinSize", "MinSize", "MinLength", "Greedy", "Proximity", "None")),
             "TAU": draw(weights(1.0, 2.0, 4.0)), "FRAME": draw(weights(True, True, False)),
+            "GROWTH": draw(weights(0.0, 0.0, 50.0)),
         },
         "outputs": ["OUTPUT", "EDGES_USED"], "may_refuse": True,
     }  # fmt: skip
@@ -394,7 +395,7 @@ def crowds(side, number):
         **base, "tool": "focusmap", "outputs": ["OUTPUT", "EDGES_USED"], "fields": {}, "other_crs": False,
         "layers": {"INPUT": layers.layer(rows, plain, "EPSG:25832"),
                    "FOCUS": layers.layer([[focus, [0]]], plain, "EPSG:25832")},
-        "parameters": {"SCALE": 1.2, "SELECTION": "None", "TAU": 2.0, "FRAME": True},
+        "parameters": {"SCALE": 1.2, "SELECTION": "None", "TAU": 2.0, "FRAME": True, "GROWTH": 0.0},
     }  # fmt: skip
 
 

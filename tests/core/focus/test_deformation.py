@@ -1,4 +1,6 @@
-"""The least squares, the bounds, the measures, the rules for relevant edges."""
+"""The solver, the triangulation and its hierarchy, the measures, the rules for relevant edges."""
+
+import sys
 
 import numpy as np
 import pytest
@@ -7,111 +9,183 @@ import shapely
 pytest.importorskip("scipy")
 
 from isthmus.tests.core.checker import dilations
-from isthmus.core.focus import crossings, deformation, graph, measures, outline, selection
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import diagonals
+from isthmus.core.errors import MissingEngine
+from isthmus.core.focus import deformation, graph, hierarchy, measures, mesh, selection
 
 from ..shapes import circle, tour
+from .verify import crossing_pairs
 
 
 def nothing(share=None):
     pass
 
 
-def line_program(scale):
-    """Five points on a line, the middle two in focus, the ends fixed."""
-    xy = np.array([(0.0, 0.0), (0.25, 0.0), (0.5, 0.0), (0.75, 0.0), (1.0, 0.0)])
-    edges = np.array([(0, 1), (1, 2), (2, 3), (3, 4)])
-    group = np.array([-1, 0, 0, -1, -1])
-    fixed = [(0, 0, 0.0), (0, 4, 0.0), (1, 0, 0.0)]
-    origin = xy[1:3].mean(axis=0)[None]
-    return deformation.focus_program(xy, edges, group, origin, scale, fixed)
+def frame(seed, n=60):
+    """A triangulated square, its side vertices, and some edges between its vertices."""
+    rng = np.random.default_rng(seed)
+    side = np.linspace(0.0, 1.0, 6)
+    rim = np.array([(a, b) for a in side for b in side if {a, b} & {0.0, 1.0}])
+    xy = np.concatenate((rim, rng.uniform(0.1, 0.9, (n, 2))))
+    triangles = mesh.frame_triangles(xy, np.empty((0, 2), dtype=int))
+    sides = [np.flatnonzero(xy[:, axis] == value) for axis in (0, 1) for value in (0.0, 1.0)]
+    fixed = [(k // 2, one, 0.0) for k, one in enumerate(sides)]
+    edges = graph.unique_pairs(triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(xy))[::2]
+    return xy, triangles, edges, fixed
 
 
-def test_the_focus_is_exact_and_the_frame_kept():
-    program = line_program(1.3)
-    x = program.xy[:, 0]
-    assert x[2] - x[1] == pytest.approx(0.325, abs=1e-12)
-    assert (x[0], x[4]) == (0.0, 1.0)
-    assert (np.diff(x) > 0).all()
-    assert program.s[1] == program.s[2] == 1.3
-
-
-def test_scale_one_changes_nothing():
-    program = line_program(1.0)
-    assert np.array_equal(program.xy, program.start)
-    assert (program.s == 1.0).all()
+@pytest.mark.parametrize("scale", [0.3, 1.0, 1.5, 2.4])
+@pytest.mark.parametrize("seed", range(3))
+def test_relax(seed, scale):
+    """The focus is exact, the sides stay, no triangle turns."""
+    xy, triangles, edges, fixed = frame(seed)
+    group = np.where(np.hypot(*(xy - 0.45).T) < 0.18, 0, -1)
+    origin = xy[group == 0].mean(axis=0)[None]
+    shift, reached = deformation.relax(xy, triangles, edges, group, origin, scale, fixed, nothing)
+    assert reached == 1.0
+    after, mine = xy + shift, group == 0
+    assert np.allclose(after[mine] - after[mine][0], scale * (xy[mine] - xy[mine][0]), atol=1e-12)
+    for axis, side, _ in fixed:
+        assert np.array_equal(after[side, axis], xy[side, axis])
+    assert not mesh.turned(xy, after, triangles, flat=0.0).any()
+    if scale == 1.0:
+        assert np.abs(shift).max() < 1e-12
 
 
 def test_it_is_the_least_distortion():
-    """No random change of the free coordinates makes the sum of squares smaller."""
-    program = line_program(1.5)
-    rng = np.random.default_rng(5)
-    least = np.sum((program.matrix @ program.z) ** 2)
-    for _ in range(50):
-        change = program.spread @ rng.normal(0.0, 1e-3, program.spread.shape[1])
-        assert np.sum((program.matrix @ (program.z + change)) ** 2) > least
-
-
-def test_a_bound_is_met_exactly_and_released():
-    program = line_program(1.5)
-    free = program.xy[3, 0]
-    bound = deformation.Bounds(
-        np.array([3, 3]), np.array([-1, -1]), np.array([(1.0, 0.0), (-1.0, 0.0)]),
-        np.array([free + 0.02, -1.0]),
-    )  # fmt: skip
-    assert program.add(bound)
-    assert program.xy[3, 0] == pytest.approx(free + 0.02, abs=2e-9)
-    # a further bound that is more than enough takes the load off the first
-    assert program.add(deformation.Bounds(
-        np.array([3]), np.array([2]), np.array([(1.0, 0.0)]), np.array([0.2])
-    ))  # fmt: skip
-    assert program.bounds.excess(program.xy).min() > -2e-9
-
-
-def test_bounds_that_contradict_are_refused():
-    program = line_program(1.5)
-    assert not program.add(deformation.Bounds(
-        np.array([3, 3]), np.array([-1, -1]), np.array([(1.0, 0.0), (-1.0, 0.0)]),
-        np.array([0.9, -0.8]),
-    ))  # fmt: skip
-
-
-def test_a_fixed_vertex_in_focus_fixes_its_region():
-    xy = circle(12)
-    edges = np.column_stack((np.arange(12), np.roll(np.arange(12), -1)))
-    group = np.where(np.arange(12) < 3, 0, -1)
-    program = deformation.focus_program(
-        xy, edges, group, xy[:1], 2.0, [(0, 0, 0.0), (1, 0, 0.0), (0, 6, 0.0), (1, 6, 0.0)]
+    """Where the guard weighs nothing, no random change makes the sum of squares smaller."""
+    xy, triangles, edges, fixed = frame(4)
+    group = np.where(np.hypot(*(xy - 0.45).T) < 0.18, 0, -1)
+    origin = xy[group == 0].mean(axis=0)[None]
+    shift, _ = deformation.relax(
+        xy, triangles, edges, group, origin, 1.3, fixed, nothing, guard=1e-12
     )
-    assert np.allclose(program.xy[:3], xy[0] + 2.0 * (xy[:3] - xy[0]), atol=1e-14)
+
+    def distortion_of(after):
+        """Of Haunert and Sering, by its definition, with the best s."""
+        total = 0.0
+        for u in range(len(xy)):
+            others = np.concatenate((edges[edges[:, 0] == u, 1], edges[edges[:, 1] == u, 0]))
+            if not len(others):
+                continue
+            before, now = xy[others] - xy[u], after[others] - after[u]
+            square = (before**2).sum(axis=1)
+            s = 1.3 if group[u] == 0 else ((before * now).sum(axis=1) / square).mean()
+            total += (((s * before - now) ** 2).sum(axis=1) / square).sum()
+        return total
+
+    rng = np.random.default_rng(5)
+    inner = (group < 0) & ((xy > 0.0) & (xy < 1.0)).all(axis=1)
+    least = distortion_of(xy + shift)
+    for _ in range(30):
+        change = np.where(inner[:, None], rng.normal(0.0, 1e-3, xy.shape), 0.0)
+        assert distortion_of(xy + shift + change) > least
 
 
-def test_crossing_pairs_by_brute_force():
-    rng = np.random.default_rng(7)
-    xy = rng.random((30, 2))
-    edges = graph.unique_pairs(rng.integers(0, 30, (40, 2)), 30)
-    found = {tuple(pair) for pair in crossings.crossing_pairs(xy, edges)}
-    expected = set()
-    for a in range(len(edges)):
-        for b in range(a + 1, len(edges)):
-            if not set(edges[a]) & set(edges[b]):
-                if shapely.LineString(xy[edges[a]]).intersects(shapely.LineString(xy[edges[b]])):
-                    expected.add((a, b))
-    assert found == expected and len(found) > 20
-    moved = rng.random(len(edges)) < 0.3
-    some = [tuple(pair) for pair in crossings.crossing_pairs(xy, edges, moved)]
-    assert sorted(some) == sorted(pair for pair in expected if moved[list(pair)].any())
+def test_without_room_it_stops_in_time():
+    xy, triangles, edges, fixed = frame(1)
+    group = np.where(np.hypot(*(xy - 0.45).T) < 0.18, 0, -1)
+    origin = xy[group == 0].mean(axis=0)[None]
+    shift, reached = deformation.relax(xy, triangles, edges, group, origin, 9.0, fixed, nothing)
+    assert 0.0 < reached < 1.0
+    assert not mesh.turned(xy, xy + shift, triangles, flat=0.0).any()
 
 
-def test_separations_hold_now_and_forbid_crossing():
-    xy = np.array([(0.0, 0.0), (1.0, 0.0), (0.2, 0.1), (0.6, 0.4)])
-    edges = np.array([(0, 1), (2, 3)])
-    bounds = crossings.separations(xy, edges, np.array([(0, 1)]), 0.1)
-    assert (bounds.excess(xy) > 0).all()
-    over = xy.copy()
-    over[2, 1] = -0.1
-    assert (bounds.excess(over) < 0).any()
+def test_node():
+    """A crossing, a vertex on an edge, and edges that overlap."""
+    xy = np.array([(0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.25, 0.25), (0.0, 0.25),
+                   (0.2, 0.0), (0.6, 0.0)])  # fmt: skip
+    edges = np.array([(0, 1), (2, 3), (4, 5), (0, 3), (6, 7)])
+    noded = mesh.node(xy, edges, nothing)
+    assert len(noded.xy) == 9 and noded.xy[8] == pytest.approx((0.5, 0.5))
+    expected = {(0, 4), (4, 8), (1, 8), (2, 8), (3, 8), (4, 5), (0, 6), (6, 7), (3, 7)}
+    assert {tuple(e) for e in noded.edges.tolist()} == expected
+    assert noded.splits.tolist() == [[0, 1, 4], [0, 1, 8], [2, 3, 8], [0, 3, 6], [0, 3, 7]]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_node_leaves_no_crossing(seed):
+    rng = np.random.default_rng(seed)
+    xy = rng.random((40, 2))
+    edges = graph.unique_pairs(rng.integers(0, 40, (50, 2)), 40)
+    noded = mesh.node(xy, edges, nothing)
+    assert len(crossing_pairs(xy, edges)) > 20 and len(crossing_pairs(noded.xy, noded.edges)) == 0
+    length = lambda p, e: np.hypot(*(p[e[:, 0]] - p[e[:, 1]]).T).sum()  # noqa: E731
+    assert length(noded.xy, noded.edges) == pytest.approx(length(xy, edges))
+
+
+@pytest.mark.parametrize("engine", ["triangle", "pythoncdt"])
+def test_frame_triangles(engine, monkeypatch):
+    """All points, all segments, and as many triangles as the convex hull has room for."""
+    pytest.importorskip(engine)
+    monkeypatch.setitem(sys.modules, {"triangle": "pythoncdt", "pythoncdt": "triangle"}[engine], None)
+    rng = np.random.default_rng(2)
+    corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    edges = np.concatenate((
+        graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)]))
+    noded = mesh.node(np.concatenate((corners, rng.uniform(0.1, 0.9, (40, 2)))), edges, nothing)
+    triangles = mesh.frame_triangles(noded.xy, noded.edges)
+    assert len(triangles) == 2 * len(noded.xy) - 2 - 4 and (mesh.heights(noded.xy, triangles) > 0.0).all()
+    pairs = graph.unique_pairs(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(noded.xy))
+    assert {tuple(e) for e in noded.edges.tolist()} <= {tuple(e) for e in pairs.tolist()}
+
+
+def test_without_an_engine(monkeypatch):
+    for name in ("triangle", "pythoncdt"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingEngine, match="pythoncdt"):
+        mesh.frame_triangles(np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]), np.array([(0, 1)]))
+
+
+def coarse_of(seed, n=800):
+    rng = np.random.default_rng(seed)
+    xy = np.concatenate((rng.random((n, 2)), [(-0.1, -0.1), (1.1, -0.1), (1.1, 1.1), (-0.1, 1.1)]))
+    triangles = mesh.frame_triangles(xy, np.empty((0, 2), dtype=int))
+    ring = np.argsort(np.arctan2(*(xy[:n] - 0.5).T))[: n // 2]
+    edges = graph.unique_pairs(np.column_stack((ring[:-1], ring[1:])), len(xy))
+    edges = edges[np.isin(edges @ (len(xy), 1), graph.unique_pairs(
+        triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy)) @ (len(xy), 1))]
+    removable = np.arange(len(xy)) < n
+    found = hierarchy.coarsen(xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, nothing)
+    return xy, triangles, found
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_coarsen_tiles_the_same_square(seed):
+    xy, triangles, found = coarse_of(seed)
+    assert len(np.unique(found.triangles)) <= 120
+    assert (mesh.heights(xy, found.triangles) > 0.0).all()
+    a, b, c = xy[found.triangles].transpose(1, 0, 2)
+    area = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]).sum() / 2.0
+    assert area == pytest.approx(1.44)
+    sides = graph.unique_pairs(found.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy))
+    assert {tuple(e) for e in found.edges.tolist()} <= {tuple(e) for e in sides.tolist()}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_put_back_never_turns(seed):
+    """Under a wild map of the coarse vertices that turns none of the coarse triangles."""
+    xy, triangles, found = coarse_of(seed)
+    kept = np.unique(found.triangles)
+    rng = np.random.default_rng(seed)
+    shift = np.zeros_like(xy)
+    for _ in range(400):  # one coarse vertex after the other, as far as it may go
+        v = rng.choice(kept[kept < len(xy) - 4])
+        old = shift[v].copy()
+        shift[v] += rng.normal(0.0, 0.1, 2)
+        while mesh.turned(xy, xy + shift, found.triangles, flat=0.0).any():
+            shift[v] = old + 0.5 * (shift[v] - old)
+    after = xy + hierarchy.reinsert(found, xy, shift, np.zeros(len(xy), bool), nothing)
+    assert not mesh.turned(xy, after, triangles, flat=0.0).any()
+    assert np.array_equal(after[kept], (xy + shift)[kept]) and np.abs(after - xy).max() > 0.1
+
+
+def test_what_is_put_back_is_carried_by_an_affine_map():
+    xy, triangles, found = coarse_of(1)
+    shift = xy @ np.array([(0.5, 0.2), (-0.1, 0.3)])
+    known = hierarchy.reinsert(found, xy, np.where(
+        np.isin(np.arange(len(xy)), found.triangles)[:, None], shift, 0.0),
+        np.zeros(len(xy), bool), nothing)
+    assert np.allclose(known, shift, atol=1e-12)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7])
@@ -132,10 +206,10 @@ def test_angular_distortion(turn):
 def test_greedy_is_greedy(seed):
     """Against the definition: add the diagonal of largest dilation, all distances from scratch."""
     shape = tour(seed, 24)
-    polygon = from_rings(shape.coords, shape.offsets)
+    polygon, edges = selection._candidates(shape.coords, shape.offsets)
     rows = np.empty(len(polygon.xy), dtype=int)
     rows[polygon.vertex] = polygon.rows[polygon.row_start[:-1]]
-    candidates = rows[diagonals(polygon)]
+    candidates = rows[edges]
     ring, chosen = [np.arange(24)], []
     while True:
         dilation = dilations(shape.coords, ring, chosen, candidates)
@@ -176,24 +250,6 @@ def test_joins_of_points_on_a_line():
     xy = np.array([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0)])
     edges = np.array([(0, 1), (2, 3)])
     assert graph.joins(xy, edges, 2.0).tolist() == [[1, 2]]
-
-
-def test_simplified_outline_has_no_crossings_and_carries_exactly():
-    """A coast with fine detail, and an island close to it."""
-    angle = np.linspace(0.0, 2.0 * np.pi, 3001)[:-1]
-    radius = 0.4 + 0.03 * np.sin(9 * angle) + 0.004 * np.sin(301 * angle)
-    coast = np.column_stack((np.cos(angle), np.sin(angle))) * radius[:, None]
-    rows = np.concatenate((coast, coast[:1], circle(40, 0.01, (0.45, 0.0))))
-    made = graph.build_graph(rows, np.array([0, 3001, 3041]))
-    simple = outline.simplify(made.xy, made.edges, np.zeros(len(made.xy), dtype=bool), 400, nothing)
-    assert len(simple.kept) <= 450
-    assert len(crossings.crossing_pairs(made.xy, simple.edges)) == 0
-    assert len(simple.kept) + len(simple.rider) == len(made.xy)
-    # what scales the kept vertices about a point scales the detail as well
-    after = np.zeros_like(made.xy)
-    after[simple.kept] = 3.0 * made.xy[simple.kept] + 1.0
-    carried = outline.carry(simple, made.xy, after, np.full(len(made.xy), 3.0))
-    assert np.allclose(carried, 3.0 * made.xy + 1.0, atol=1e-12)
 
 
 def test_min_length_is_no_longer_than_the_others():

@@ -9,9 +9,10 @@ pytest.importorskip("scipy")
 from isthmus.core.errors import Cancelled, Unsolvable
 from isthmus.core.focus.carrying import Carrier
 from isthmus.core.focus.enlarge import enlarge
-from isthmus.core.focus.graph import build_graph
+from isthmus.core.focus.mesh import turned
 
 from ..shapes import box, circle, mosaic, tour
+from .verify import verify, with_splits
 
 
 def rings_of(*rings):
@@ -23,11 +24,9 @@ def rings_of(*rings):
 
 
 def check(rows, starts, polygons, focus, scale, result, frame=True):
-    """Everything that is promised of a map with the scale reached."""
+    """Everything that is promised of a map."""
     inside = shapely.covers(focus, shapely.points(rows))
-    assert result.crossings == 0
-    if inside.any() and not result.problem:
-        assert result.scale == scale
+    assert result.scale == scale
     if inside.any() and len(shapely.get_parts(focus)) == 1:
         size = np.ptp(rows, axis=0).max()
         expected = (rows[inside] - rows[inside][0]) * result.scale + result.rows[inside][0]
@@ -36,16 +35,9 @@ def check(rows, starts, polygons, focus, scale, result, frame=True):
         margin = 1e-9 * np.ptp(rows, axis=0).max()
         assert (result.rows.min(axis=0) >= rows.min(axis=0) - margin).all()
         assert (result.rows.max(axis=0) <= rows.max(axis=0) + margin).all()
-    for lines in polygons:
-        parts = [slice(starts[k], starts[k + 1]) for k in lines]
-        before, after = (
-            shapely.Polygon(xy[parts[0]], [xy[part] for part in parts[1:]])
-            for xy in (rows, result.rows)
-        )
-        assert after.is_valid or not before.is_valid
-    # equal points stay equal
-    _, first, again = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    assert np.array_equal(result.rows, result.rows[first[again.ravel()]])
+    assert verify(*with_splits(rows, starts, result), [[lines] for lines in polygons]).good
+    assert not turned(result.points, result.moved, result.triangles).any()
+    assert result.distortion.flipped == 0.0
 
 
 @pytest.mark.parametrize("rule", ["MinSize", "Greedy", "Proximity", "None"])
@@ -62,7 +54,7 @@ def test_scale_one_is_the_identity():
     rows, starts, polygons = rings_of(tour(1, 50).coords)
     result = enlarge(rows, starts, polygons, shapely.box(0, 0, 5e5, 5e5), 1.0)
     assert np.array_equal(result.rows, rows)
-    assert (result.scale, result.crossings, result.problem) == (1.0, 0, "")
+    assert result.scale == 1.0
 
 
 def test_the_change_vanishes_as_the_scale_tends_to_one():
@@ -92,7 +84,6 @@ def test_shared_borders_stay_shared(scale):
     focus = shapely.box(0.9, 0.9, 2.1, 2.1)
     result = enlarge(rows, starts, polygons, focus, scale)
     check(rows, starts, polygons, focus, scale, result)
-    assert not result.problem
 
 
 def test_islands_move_with_their_mainland():
@@ -103,7 +94,7 @@ def test_islands_move_with_their_mainland():
     focus = shapely.box(5.0, -5.0, 14.0, 5.0)
     result = enlarge(rows, starts, polygons, focus, 1.4)
     check(rows, starts, polygons, focus, 1.4, result)
-    assert not result.problem and (result.kind == "join").any()
+    assert (result.kind == "join").any()
     land = shapely.Polygon(result.rows[starts[0]:starts[1]])
     for k in range(1, 13):
         island = shapely.Polygon(result.rows[starts[k]:starts[k + 1]])
@@ -121,7 +112,7 @@ def test_lines_that_share_vertices_stay_joined():
     focus = shapely.Point(4, 4).buffer(1.6)
     result = enlarge(rows, starts, [], focus, 2.0)
     check(rows, starts, [], focus, 2.0, result)
-    assert not result.problem and (result.kind == "selected").any() == (len(result.kind) > 0)
+    assert (result.kind == "selected").any() == (len(result.kind) > 0)
 
 
 def test_given_edges_are_used():
@@ -146,7 +137,7 @@ def test_a_focus_between_the_vertices_pushes_the_rest_away():
     check(rows, starts, polygons, focus, 2.0, result)
     outline = shapely.covers(focus.buffer(1e-9), shapely.points(result.points))
     moved = shapely.Polygon(result.rows)
-    assert not result.problem and outline.sum() >= 60
+    assert outline.sum() >= 40
     assert shapely.covers(moved, shapely.points(result.moved[outline])).all()
 
 
@@ -168,7 +159,7 @@ def test_without_a_frame_the_map_grows():
     focus = shapely.box(-50, -4, 60, 4)
     result = enlarge(rows, starts, polygons, focus, 2.0, frame=False)
     check(rows, starts, polygons, focus, 2.0, result, frame=False)
-    assert not result.problem and (np.ptp(result.rows, axis=0) > np.ptp(rows, axis=0)).any()
+    assert (np.ptp(result.rows, axis=0) > np.ptp(rows, axis=0)).any()
     whole = enlarge(rows, starts, polygons, shapely.box(-50, -50, 60, 60), 2.0, frame=False)
     assert np.ptp(whole.rows, axis=0) == pytest.approx(2.0 * np.ptp(rows, axis=0), rel=1e-12)
 
@@ -185,16 +176,18 @@ def test_two_regions():
         assert grown == pytest.approx(1.5, rel=1e-9)
 
 
-def test_too_large_a_scale_gives_a_reason_and_the_last_good_map():
+def test_too_large_a_scale_gives_a_reason():
     """Two regions that fit each, but not both."""
     corners = [(-10, -5), (-1, -5), (0, -20), (1, -5), (10, -5), (10, 5), (1, 5), (0, 20), (-1, 5),
                (-10, 5)]
     ring = shapely.segmentize(shapely.Polygon(corners), 1.0)
     rows, starts, polygons = rings_of(shapely.get_coordinates(ring)[:-1])
     parts = [shapely.box(1, -6, 12, 6), shapely.box(-12, -6, -1, 6)]
-    result = enlarge(rows, starts, polygons, shapely.MultiPolygon(parts), 1.2)
-    assert result.problem and 1.0 <= result.scale < 1.2 and result.crossings == 0
-    assert shapely.Polygon(result.rows).is_valid
+    with pytest.raises(Unsolvable, match="no room for a scale of 1.2: it ends at 1.1"):
+        enlarge(rows, starts, polygons, shapely.MultiPolygon(parts), 1.2)
+    focus = shapely.MultiPolygon(parts)
+    check(rows, starts, polygons, focus, 1.2, enlarge(
+        rows, starts, polygons, focus, 1.2, growth=0.2), frame=False)
 
 
 def test_detail_is_carried():
@@ -203,10 +196,10 @@ def test_detail_is_carried():
     radius = 10.0 + 1.0 * np.sin(5 * angle) + 0.03 * np.sin(700 * angle)
     coast = np.column_stack((np.cos(angle), np.sin(angle))) * radius[:, None]
     rows, starts, polygons = rings_of(coast)
-    focus = shapely.box(4, -5, 14, 5)
+    focus = shapely.box(8, -5, 14, 5)
     result = enlarge(rows, starts, polygons, focus, 1.6, most=300)
     check(rows, starts, polygons, focus, 1.6, result)
-    assert not result.problem and result.distortion.flipped < 0.05
+    assert result.distortion.flipped < 0.05
 
 
 def test_thousand_islands():
@@ -216,7 +209,6 @@ def test_thousand_islands():
     focus = shapely.box(10, 10, 16, 16)
     result = enlarge(rows, starts, polygons, focus, 1.5)
     check(rows, starts, polygons, focus, 1.5, result)
-    assert not result.problem
 
 
 def test_cancel():
@@ -232,20 +224,23 @@ def test_coordinates_that_are_not_finite():
         enlarge(rows, starts, polygons, shapely.box(0, 0, 2, 2), 2.0)
 
 
-def test_carrier():
+@pytest.mark.parametrize("focus", [shapely.box(4, -3, 12, 3), shapely.box(1, 1, 3, 3)])
+def test_carrier(focus):
+    """With a focus on the coast, and with one that holds no vertex of the map."""
     rows, starts, polygons = rings_of(circle(60, 10.0))
-    focus = shapely.box(4, -3, 12, 3)
     result = enlarge(rows, starts, polygons, focus, 1.5)
-    edges = build_graph(rows, starts).edges
-    carrier = Carrier(result.points, result.moved, edges, focus, result.scale)
-    assert np.allclose(carrier(rows), result.rows, atol=1e-9)  # what was joined stays joined
-    halves = (rows[:-1] + rows[1:]) / 2.0
-    assert np.allclose(carrier(halves), (result.rows[:-1] + result.rows[1:]) / 2.0, atol=1e-9)
-    within = np.array([(5.0, -2.0), (7.0, 2.0), (9.0, 0.5)])
+    carrier = Carrier(result.points, result.moved, result.triangles)
+    assert np.allclose(carrier(rows), result.rows, atol=1e-12)  # what was joined stays joined
+    share = np.linspace(0.0, 1.0, 7)[:, None, None]
+    on_border = rows[:-1] + share * (rows[1:] - rows[:-1])
+    expected = result.rows[:-1] + share * (result.rows[1:] - result.rows[:-1])
+    assert np.abs(carrier(on_border.reshape(-1, 2)) - expected.reshape(-1, 2)).max() < 1e-9 * 20
+    low, high = (np.array(v) for v in (shapely.bounds(focus)[:2], shapely.bounds(focus)[2:]))
+    within = low + np.array([(0.2, 0.2), (0.45, 0.6), (0.5, 0.4)]) * (high - low)
     gaps = carrier(within)[1:] - carrier(within)[:-1]
     assert np.allclose(gaps, 1.5 * np.diff(within, axis=0), atol=1e-9)
-    far = np.array([(100.0, 100.0), (-50.0, 0.0)])
-    assert np.allclose(carrier(far), far, atol=1e-6)
+    far = np.array([(100.0, 100.0), (-50.0, -100.0), (np.nan, 3.0)])
+    assert np.array_equal(carrier(far), far, equal_nan=True)
 
 
 # ---- found by fuzzing
@@ -311,7 +306,9 @@ def test_a_ring_that_is_mirrored_has_turned_over():
         [(2.19, 0.88), (2.68, 1.37), (2.93, -0.15), (2.2, 0.25)], [(2.06, 1.69), (3.27, 1.84), (2.68, 1.37), (2.19, 0.88)],
     )  # fmt: skip
     focus = shapely.MultiPolygon([shapely.box(-0.47, 0.78, 0.05, 1.97), shapely.box(1.31, 1.44, 2.81, 1.95)])
-    for scale in (1.3, 2.0, 100.0):
+    with pytest.raises(Unsolvable, match="larger than the frame"):
+        enlarge(rows, starts, polygons, focus, 100.0)
+    for scale in (1.3, 1.8):
         result = enlarge(rows, starts, polygons, focus, scale)
         check(rows, starts, polygons, focus, scale, result)
         for lo, hi in zip(starts[:-1], starts[1:]):

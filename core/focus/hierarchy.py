@@ -1,0 +1,307 @@
+"""From the full triangulation of a map to a coarse one and back, no triangle ever turned.
+
+On the way down a vertex goes into one of its neighbours, if that turns none of its triangles (half-edge
+collapse). On the way back it comes out again: where the coarse map takes its place, if that turns
+none of its triangles, else near enough to the neighbour, where there always is a place (Shen et al.,
+Progressive embedding, 2019). So a coarse map without a fold gives a full one without.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .graph import unique_pairs
+
+__all__ = ["Coarse", "coarsen", "reinsert"]
+
+DEGREE = 8  # where more lines meet, a vertex stays
+SHAPE = 0.02  # area over the longest side squared, below which a triangle should not get
+LONGEST = 0.05  # of the map's width, for an edge that replaces two
+TINY = 1e-7  # of the map's width: shorter edges never are solved for
+HALVINGS = 48
+
+
+class Coarse(NamedTuple):
+    """A coarse triangulation, and what was taken out.
+
+    Attributes
+    ----------
+    triangles : (t, 3) int
+    edges : (m, 2) int
+        What is left of the edges of the map.
+    into : (n,) int
+        The vertex that each vertex went into, itself where it is still there.
+    levels : list of ((k,) int, (k,) int, (r, 3) int)
+        Vertices taken out together, what they went into, and their triangles (the vertex first,
+        sorted by it).
+    """
+
+    triangles: np.ndarray
+    edges: np.ndarray
+    into: np.ndarray
+    levels: list
+
+
+def coarsen(xy, triangles, edges, removable, rigid, most, check):
+    """Take out vertices of a triangulation, the smallest detail first.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+        Of about size 1.
+    triangles : (t, 3) int
+        Counter-clockwise.
+    edges : (m, 2) int
+        Edges of the map; they are edges of the triangulation. What is removed goes along one of
+        its own, as far as it has any, so outlines stay outlines.
+    removable : (n,) bool
+        Only inner vertices.
+    rigid : (n,) bool
+        Vertices whose neighbours move with them: their detail costs nothing.
+    most : int
+        Stop when no more than so many of the others among ``removable`` are left.
+    check : callable
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    Coarse
+
+    Notes
+    -----
+    O(n log n): each round takes out a share of what is left.
+    """
+    n = len(xy)
+    rng = np.random.default_rng(1)
+    into, levels = np.arange(n), []
+    alive = np.ones(n, dtype=bool)
+    if np.count_nonzero(removable) <= most:
+        rigid = np.zeros_like(rigid)  # a small map is solved for as it is
+    tolerance = TINY
+    while True:
+        check()
+        left = np.count_nonzero(alive & removable & ~rigid)
+        u, v, cost = _ways(xy, triangles, edges, removable & alive, rigid, rng)
+        good = cost <= tolerance
+        u, v = u[good], v[good]
+        goes = np.full(n, -1)
+        goes[u[::-1]] = v[::-1]
+        chosen = _independent(xy, triangles, goes, rng)
+        if left <= most and tolerance > TINY:
+            chosen &= rigid
+        elif left - np.count_nonzero(chosen & ~rigid) < most and tolerance > TINY:
+            some = np.flatnonzero(chosen & ~rigid)
+            chosen[some[max(left - most, 0):]] = False
+        count = np.count_nonzero(chosen)
+        if count:
+            inside = chosen[triangles]
+            star = inside.any(axis=1)
+            turn = inside[star].argmax(axis=1)
+            rows = triangles[star]
+            each = np.arange(len(rows))
+            rows = np.column_stack([rows[each, (turn + k) % 3] for k in range(3)])
+            rows = rows[np.argsort(rows[:, 0], kind="stable")]
+            gone = np.flatnonzero(chosen)
+            levels.append((gone, goes[gone], rows))
+            into[gone] = goes[gone]
+            alive[gone] = False
+            new = np.column_stack((goes[rows[:, 0]], rows[:, 1:]))
+            new = new[(new[:, 0] != new[:, 1]) & (new[:, 0] != new[:, 2])]
+            triangles = np.concatenate((triangles[~star], new))
+            edges = unique_pairs(into[edges], n)
+        enough = 0.03 * (len(u) if left <= most else np.count_nonzero(alive & removable))
+        if count <= max(enough, 10):
+            if (left <= most and count == 0 and tolerance > TINY) or tolerance > 0.2:
+                break
+            tolerance = 1e-5 if tolerance == TINY else tolerance * 1.7
+    while True:
+        further = into[into]
+        if np.array_equal(further, into):
+            return Coarse(triangles, edges, into, levels)
+        into = further
+
+
+def _ways(xy, triangles, edges, free, rigid, rng):
+    """Vertices, what they could go into, and how much of the map that changes, in random order."""
+    n = len(xy)
+    both = np.concatenate((edges, edges[:, ::-1]))
+    both = both[free[both[:, 0]]]
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    degree = np.bincount(both[:, 0], minlength=n)
+    both = both[degree[both[:, 0]] <= DEGREE]
+    begin = np.searchsorted(both[:, 0], both[:, 0])
+    count = degree[both[:, 0]]
+    # beside each way u-v, the edges u-x
+    one = np.repeat(np.arange(len(both)), count)
+    other = np.repeat(begin, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    u, v, x = both[one, 0], both[one, 1], both[other, 1]
+    along, gap = xy[x] - xy[v], xy[u] - xy[v]
+    square = (along * along).sum(axis=1)
+    t = np.clip((gap * along).sum(axis=1) / np.maximum(square, 1e-300), 0.0, 1.0)
+    off = np.hypot(*(gap - t[:, None] * along).T)
+    off[v == x] = 0.0
+    off[square > LONGEST**2] = np.inf
+    cost = np.maximum.reduceat(off, np.cumsum(count) - count) if len(count) else np.empty(0)
+    length = np.hypot(*(xy[both[:, 0]] - xy[both[:, 1]]).T)
+    cost = np.where(count == 1, length, cost + 0.02 * length)
+    cost[rigid[both[:, 0]]] = 0.0
+    # what is on no line goes anywhere
+    lonely = free & (np.bincount(edges.ravel(), minlength=n) == 0)
+    corner = np.flatnonzero(lonely[triangles].any(axis=1))
+    rows = triangles[corner][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    rows = rows[lonely[rows[:, 0]]]
+    ways = np.concatenate((both, rows))
+    cost = np.concatenate((cost, np.zeros(len(rows))))
+    order = rng.permutation(len(ways))
+    return ways[order, 0], ways[order, 1], cost[order]
+
+
+def _independent(xy, triangles, goes, rng):
+    """Vertices that can go at once: none turns a triangle, no two are neighbours."""
+    n = len(xy)
+    wants = goes >= 0
+    rows = triangles[wants[triangles].any(axis=1)]
+    corner = np.concatenate([np.roll(rows, -k, axis=1) for k in range(3)])
+    corner = corner[wants[corner[:, 0]]]
+    target = goes[corner[:, 0]]
+    stays = (target != corner[:, 1]) & (target != corner[:, 2])
+    old, new = corner[stays], corner[stays].copy()
+    new[:, 0] = target[stays]
+    before, after = _shape(xy, old), _shape(xy, new)
+    worst = np.full(n, np.inf)
+    np.minimum.at(worst, old[:, 0], before)
+    limit = np.maximum(np.minimum(SHAPE, 0.5 * worst[old[:, 0]]), 1e-12)
+    wants[old[after < limit, 0]] = False
+    # Luby: of those that are left, the first of each neighbourhood; three times
+    size = np.bincount(rows.ravel(), minlength=n)
+    rank = rng.permutation(n).astype(float)
+    chosen = np.zeros(n, dtype=bool)
+    for _ in range(3):
+        rows = rows[wants[rows].any(axis=1)]
+        if not len(rows):
+            break
+        order = np.where(wants, rank, np.inf)
+        first = rows[np.arange(len(rows)), order[rows].argmin(axis=1)]
+        won = wants & (np.bincount(first, minlength=n) == size)
+        chosen |= won
+        near = rows[won[rows].any(axis=1)]
+        wants[near] = False
+    return chosen
+
+
+def _shape(xy, triangles):
+    """Signed area over the longest side squared."""
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    square = np.maximum.reduce([((q - p) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
+    return _cross(a, b, c) / (2.0 * np.maximum(square, 1e-300))
+
+
+def _cross(a, b, c):
+    """Twice the signed area."""
+    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
+        c[..., 0] - a[..., 0])
+
+
+def reinsert(coarse, xy, shift, known, check):
+    """Put back what was taken out.
+
+    Parameters
+    ----------
+    coarse : Coarse
+    xy : (n, 2) float
+        Positions before.
+    shift : (n, 2) float
+        How the vertices of the coarse triangulation move, and those that are known.
+    known : (n,) bool
+        Vertices whose shift is known, though they were taken out.
+    check : callable
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    (n, 2) float
+        The shift of all.
+    """
+    shift = shift.copy()
+    for gone, into, rows in reversed(coarse.levels):
+        check()
+        begin = np.flatnonzero(np.append(True, rows[1:, 0] != rows[:-1, 0]))
+        count = np.diff(np.append(begin, len(rows)))
+        number = np.repeat(np.arange(len(gone)), count)
+        v = into[number]
+        u, p, q = rows.T
+        whole = _cross(xy[v], xy[p], xy[q])
+        part = np.stack((_cross(xy[u], xy[p], xy[q]), _cross(xy[v], xy[u], xy[q]),
+                         _cross(xy[v], xy[p], xy[u])), axis=1)
+        fan = (p != v) & (q != v)
+        with np.errstate(all="ignore"):
+            part = part / whole[:, None]
+        least = np.where(fan, part.min(axis=1), -np.inf)
+        least[~np.isfinite(least)] = -1e300
+        best = np.maximum.reduceat(least, begin)
+        at = np.flatnonzero(least == best[number])
+        at = at[np.unique(number[at], return_index=True)[1]]
+        part = np.clip(part[at], 0.0, None)
+        part /= part.sum(axis=1)[:, None]
+        corner = np.column_stack((into, p[at], q[at]))
+        moved = np.einsum("ij,ijk->ik", part, shift[corner])
+        free = ~known[gone]
+        shift[gone[free]] = moved[free]
+        bad = np.unique(number[~_upright(xy, shift, u, p, q)])
+        bad = bad[free[bad]]
+        if len(bad):
+            mine = np.isin(number, bad)
+            _squeeze(xy, shift, gone[bad], into[bad], np.searchsorted(bad, number[mine]), rows[mine])
+    return shift
+
+
+def _upright(xy, shift, u, p, q):
+    """Which triangles are clearly counter-clockwise after."""
+    a, b, c = (xy[k] + shift[k] for k in (u, p, q))
+    left = (a[:, 0] - c[:, 0]) * (b[:, 1] - c[:, 1])
+    right = (a[:, 1] - c[:, 1]) * (b[:, 0] - c[:, 0])
+    return left - right > 1e-15 * (np.abs(left) + np.abs(right))
+
+
+def _squeeze(xy, shift, gone, into, number, rows):
+    """Find a place for each vertex where none of its triangles is turned: the roomiest of many."""
+    u, p, q = rows.T
+    k = len(gone)
+    at = lambda w: xy[w] + shift[w]  # noqa: E731
+    p_at, q_at, v_at = at(p), at(q), at(into)
+    wish = at(gone)
+    sums = np.stack([np.bincount(number, 0.5 * (p_at + q_at)[:, axis], k) for axis in (0, 1)], axis=1)
+    middle = sums / np.bincount(number, minlength=k)[:, None]
+    # the wedge at the neighbour: the fan of triangles without it turns from first to last
+    left = np.full(k, -1)
+    right = np.full(k, -1)
+    v = into[number]
+    right[number[p == v]] = q[p == v]  # triangle (u, v, q)
+    left[number[q == v]] = p[q == v]  # triangle (u, p, v)
+    a, b = at(right) - v_at, at(left) - v_at
+    angle_a, angle_b = np.arctan2(a[:, 1], a[:, 0]), np.arctan2(b[:, 1], b[:, 0])
+    direction = angle_a + (angle_b - angle_a) % (2.0 * np.pi) / 2.0
+    reach = np.minimum(np.hypot(*a.T), np.hypot(*b.T))
+    wedge = np.column_stack((np.cos(direction), np.sin(direction)))
+    area = _cross(xy[u], xy[p], xy[q])
+    best, found = np.full(k, -np.inf), wish.copy()
+
+    def offer(candidate):
+        ratio = _cross(candidate[number], p_at, q_at) / np.maximum(area, 1e-300)
+        least = np.full(k, np.inf)
+        np.minimum.at(least, number, ratio)
+        better = least > best
+        best[better], found[better] = least[better], candidate[better]
+
+    for t in (0.125, 0.25, 0.5, 0.75, 1.0):
+        offer(wish + t * (middle - wish))
+        offer(wish + t * (v_at - wish))
+    for t in (0.25, 0.5, 0.75):
+        offer(v_at + t * (middle - v_at))
+    for halving in range(HALVINGS):
+        offer(v_at + (reach * 0.5**halving)[:, None] * wedge)
+        if halving >= 6 and (best > 0.0).all():
+            break
+    shift[gone] = found - xy[gone]

@@ -1,0 +1,256 @@
+"""One triangulation of the whole frame: a map is carried by a piecewise linear map of it.
+
+Where every triangle keeps its orientation, and the outline of the frame goes to a rectangle, the
+piecewise linear map is one to one: nothing crosses, nests or folds that did not before.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from ..errors import MissingEngine, Unsolvable
+from ..predicates import crossing, orientations
+from .graph import components, unique_pairs
+
+__all__ = ["Noded", "frame_triangles", "heights", "node", "turned"]
+
+SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
+FLAT = 1e-11  # height of a triangle that lies between points on one line, but for rounding
+ROUNDS = 8  # of splitting edges; one or two are enough but for rounding
+
+
+class Noded(NamedTuple):
+    """A graph whose edges meet at vertices only.
+
+    Attributes
+    ----------
+    xy : (n, 2) float
+        The vertices given, then the crossings.
+    edges : (m, 2) int
+        Pairs u < v, each once.
+    splits : (s, 3) int
+        Edge of the input (its ends u < v) and the vertex that lies on it, in order from u to v.
+    """
+
+    xy: np.ndarray
+    edges: np.ndarray
+    splits: np.ndarray
+
+
+def node(xy, edges, check):
+    """Split edges where a vertex lies on them, or where they cross.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+        Of about size 1, no two points closer than `SNAP`.
+    edges : (m, 2) int
+        Pairs u < v, each once.
+    check : callable
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    Noded
+
+    Notes
+    -----
+    O(m log m) for the short edges of a map.
+    """
+    given = edges
+    parent = np.arange(len(edges))
+    fresh = np.ones(len(edges), dtype=bool)
+    for _ in range(ROUNDS):
+        check()
+        edge, at, xy = _meetings(xy, edges, fresh)
+        if not len(edge):
+            break
+        pieces, owner = _split(xy, edges, edge, at)
+        touched = np.zeros(len(edges), dtype=bool)
+        touched[edge] = True
+        edges = np.concatenate((edges[~touched], pieces))
+        parent = np.concatenate((parent[~touched], parent[owner]))
+        fresh = np.arange(len(edges)) >= np.count_nonzero(~touched)
+    splits = _splits(xy, given, edges, parent)
+    return Noded(xy, unique_pairs(edges, len(xy)), splits)
+
+
+def _meetings(xy, edges, fresh):
+    """Edges and the vertices on them: those that are there, and new ones where edges cross."""
+    ends = xy[edges]
+    low, high = ends.min(axis=1) - SNAP, ends.max(axis=1) + SNAP
+    few = np.flatnonzero(fresh)
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    a, b = tree.query(shapely.box(*low[few].T, *high[few].T))
+    a = few[a]
+    once = (a != b) & ((a < b) | ~fresh[b])
+    a, b = a[once], b[once]
+    edge, vertex = [], []
+    apart = np.ones(len(a), dtype=bool)
+    for one, other in ((a, b), (b, a)):
+        for end in (0, 1):
+            p = edges[one, end]
+            on = _lies_on(xy, p, edges[other])
+            edge.append(other[on])
+            vertex.append(p[on])
+            apart &= ~on & (p != edges[other, 0]) & (p != edges[other, 1])
+    a, b = a[apart], b[apart]
+    cross = crossing(ends[a], ends[b])
+    a, b = a[cross], b[cross]
+    if len(a):
+        p, q, r, s = ends[a, 0], ends[a, 1], ends[b, 0], ends[b, 1]
+        d, e = q - p, s - r
+        t = ((r - p)[:, 0] * e[:, 1] - (r - p)[:, 1] * e[:, 0]) / (d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0])
+        points = p + np.clip(t, 0.0, 1.0)[:, None] * d
+        near = _merged(points)
+        first = np.unique(near, return_index=True)[1]
+        number = len(xy) + near
+        xy = np.concatenate((xy, points[first]))
+        edge += [a, b]
+        vertex += [number, number]
+    return np.concatenate(edge), np.concatenate(vertex), xy
+
+
+def _lies_on(xy, p, edges):
+    """Whether vertices lie on edges, apart from their ends."""
+    u, v = xy[edges[:, 0]], xy[edges[:, 1]]
+    along = v - u
+    gap = xy[p] - u
+    square = np.maximum((along * along).sum(axis=1), 1e-300)
+    t = (gap * along).sum(axis=1) / square
+    off = np.abs(gap[:, 0] * along[:, 1] - gap[:, 1] * along[:, 0]) / np.sqrt(square)
+    return (p != edges[:, 0]) & (p != edges[:, 1]) & (t > 0.0) & (t < 1.0) & (off <= SNAP)
+
+
+def _merged(points):
+    """The number of each point, those that are nearly the same counted once."""
+    from scipy.spatial import cKDTree
+
+    near = cKDTree(points).query_pairs(SNAP, output_type="ndarray")
+    return components(len(points), near) if len(near) else np.arange(len(points))
+
+
+def _split(xy, edges, edge, at):
+    """The pieces of edges, and the edge that each is of."""
+    key = np.unique(edge * len(xy) + at)
+    edge, at = key // len(xy), key % len(xy)
+    u, v = edges[edge].T
+    along = xy[v] - xy[u]
+    t = ((xy[at] - xy[u]) * along).sum(axis=1) / (along * along).sum(axis=1)
+    which = np.unique(edge)
+    owner = np.concatenate((edge, which, which))
+    vertex = np.concatenate((at, edges[which, 0], edges[which, 1]))
+    place = np.concatenate((t, np.full(len(which), -np.inf), np.full(len(which), np.inf)))
+    order = np.lexsort((place, owner))
+    owner, vertex = owner[order], vertex[order]
+    same = owner[1:] == owner[:-1]
+    return np.sort(np.column_stack((vertex[:-1], vertex[1:]))[same], axis=1), owner[:-1][same]
+
+
+def _splits(xy, given, edges, parent):
+    """Vertices on the edges given, in order."""
+    pieces = np.bincount(parent, minlength=len(given))[parent] > 1
+    vertex, owner = edges[pieces].ravel(), np.repeat(parent[pieces], 2)
+    inner = (vertex != given[owner, 0]) & (vertex != given[owner, 1])
+    key = np.unique(owner[inner] * len(xy) + vertex[inner])
+    owner, vertex = key // len(xy), key % len(xy)
+    u, v = given[owner].T
+    t = ((xy[vertex] - xy[u]) * (xy[v] - xy[u])).sum(axis=1)
+    order = np.lexsort((t, owner))
+    return np.column_stack((given[owner], vertex))[order]
+
+
+def frame_triangles(xy, segments):
+    """Return a constrained Delaunay triangulation of the convex hull of points.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+        Distinct points.
+    segments : (m, 2) int
+        They meet at their ends only, and have no other points on them.
+
+    Returns
+    -------
+    (t, 3) int
+        Counter-clockwise.
+
+    Raises
+    ------
+    Unsolvable, MissingEngine
+    """
+    for engine in (_by_triangle, _by_pythoncdt):
+        try:
+            triangles = engine(xy, segments)
+        except ImportError:
+            continue
+        if triangles is not None:
+            return _counter_clockwise(xy, triangles)
+        raise Unsolvable("the map could not be triangulated (too fine for double precision)")
+    raise MissingEngine("the package pythoncdt or triangle is needed")
+
+
+def _by_triangle(xy, segments):
+    import triangle
+
+    graph = {"vertices": xy}
+    if len(segments):
+        graph["segments"] = segments.astype(np.int32)
+    try:
+        found = triangle.triangulate(graph, "pQBP" if len(segments) else "QBP")
+    except RuntimeError:  # its own checks failed
+        return None
+    return found["triangles"].astype(np.int64) if len(found["vertices"]) == len(xy) else None
+
+
+def _by_pythoncdt(xy, segments):
+    import pythoncdt
+
+    try:
+        found = pythoncdt.Triangulation(
+            pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+        )
+        found.insert_vertices(np.ascontiguousarray(xy))
+        found.insert_edges(segments.astype(np.uintc))
+        triangles = np.array(found.triangles_array(copy=True)["vertices"], dtype=np.int64)
+    except (RuntimeError, ValueError):
+        return None
+    return triangles[(triangles > 2).all(axis=1)] - 3  # the first three are its own
+
+
+def _counter_clockwise(xy, triangles):
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    sign = orientations(a, b, c)
+    triangles = np.where((sign < 0)[:, None], triangles[:, ::-1], triangles)
+    if (sign == 0).any() or len(np.unique(triangles)) < len(xy):
+        raise Unsolvable("the map could not be triangulated (too fine for double precision)")
+    return triangles
+
+
+def turned(before, after, triangles, flat=FLAT):
+    """Return which triangles are not counter-clockwise after, exact; flat ones do not count.
+
+    Parameters
+    ----------
+    before, after : (n, 2) float
+    triangles : (t, 3) int
+        Counter-clockwise before.
+    flat : float
+        The height of a flat triangle, as a share of the width of all.
+    """
+    a, b, c = after[triangles].transpose(1, 0, 2)
+    wrong = np.flatnonzero(orientations(a, b, c) <= 0)
+    found = np.zeros(len(triangles), dtype=bool)
+    found[wrong] = heights(before, triangles[wrong]) > flat * np.ptp(before, axis=0).max(initial=0.0)
+    return found
+
+
+def heights(xy, triangles):
+    """Return the least height of each triangle, negative if it is clockwise."""
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
+    double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return double / np.maximum(longest, 1e-300)
