@@ -21,12 +21,12 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from ..layers import wkb
 from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
 from ..dependencies import slow_engine_note
-from .candidate_lines import CandidateLines
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from .candidate_lines import CandidateLines
 from .solving import (
     Settings,
     by_feature,

@@ -20,12 +20,12 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from . import report
 from ..base import Steps
-from .cutting import BY_SIZE, PartitionTool
-from ..layers.wkb import INTEGER, LONG, REAL
-from .partition_budget import TIME_LIMIT
 from ..layers.sinks import Sinks, make_fields
+from ..layers.wkb import INTEGER, LONG, REAL
+from . import report
+from .cutting import BY_SIZE, PartitionTool
+from .partition_budget import TIME_LIMIT
 from .solving import prepare, read
 
 FIELDS = (
