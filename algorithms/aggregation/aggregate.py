@@ -21,10 +21,11 @@ from qgis.core import (
 from . import areas as layer
 from ..layers import wkb
 from .tables import distances, thresholds
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted
+from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import install_hint
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -408,9 +409,9 @@ class _Run:
 
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
-        self.steps = Steps(self.source, feedback)
+        self.reader = Reader(self.source, feedback)
         feedback.setProgressText("Reading the areas")
-        areas = self.areas = layer.read(self.steps, crs)
+        areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
         pairs, length = layer.neighbours(areas)
         texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
@@ -592,7 +593,7 @@ class _Run:
         merged_shapes = joined(areas.coverage, merged[areas.owner])
 
         # several polygons for one feature: of multipart areas, or where overlaps must be united
-        wkb_type = self.steps.wkb_type
+        wkb_type = self.reader.wkb_type
         united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(members))
         united += len(set(merged[merged >= 0].tolist()) - set(merged_shapes))
         if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
@@ -636,7 +637,7 @@ class _Run:
         """Geometry of the areas of a region; of a single one its own, as it is."""
         if len(group) == 1:
             geometry = layer.with_dimensions(
-                self.areas.features[group[0]].geometry(), self.steps.wkb_type
+                self.areas.features[group[0]].geometry(), self.reader.wkb_type
             )
             if multi:
                 geometry.convertToMultiType()
