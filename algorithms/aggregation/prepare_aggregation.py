@@ -14,16 +14,16 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from . import areas as layer
 from ...core.progress import checker
-from ..layers import wkb
 from ..base import counted
-from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
 from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
+from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))

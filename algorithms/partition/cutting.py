@@ -78,10 +78,12 @@ class PartitionTool(IsthmusAlgorithm):
             "The polygons to cut.",
         )
 
-    def add_dynamic(self, name, label, default, least, help_text, most=LARGEST, decimals=2):
+    def add_dynamic(
+        self, name, label, default, least, help_text, most=LARGEST, decimals=2, optional=False
+    ):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
-            name, label, QgsProcessingParameterNumber.Type.Double, default,
+            name, label, QgsProcessingParameterNumber.Type.Double, default, optional,
             minValue=least, maxValue=most,
         )  # fmt: skip
         parameter.setIsDynamic(True)
@@ -125,6 +127,7 @@ class PartitionTool(IsthmusAlgorithm):
                 list(PLACES),
                 defaultValue=places,
                 usesStaticStrings=True,
+                optional=True,  # models of before do not give it
             ),
             "Natural: only where people see parts meet, at places where the outline is concave and the "
             "polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, "
@@ -132,7 +135,7 @@ class PartitionTool(IsthmusAlgorithm):
         )
         self.add_dynamic(
             self.SMALLEST_PART,
-            "Smallest part (per cent of the feature's area)",
+            "Smallest part (per cent of the feature)",
             smallest,
             0.0,
             "Smaller parts are not cut off, smaller holes attract no cuts, and the length of the outline "
@@ -140,6 +143,7 @@ class PartitionTool(IsthmusAlgorithm):
             "expression can set it for each feature.",
             most=100.0,
             decimals=3,
+            optional=True,  # models of before do not give it
         )
         self.add_dynamic(
             # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees

@@ -17,6 +17,7 @@ from .min_size import SLACK
 __all__ = ["cheapest_by_node"]
 
 MANY = 2000  # pairs of points from which on numpy adds them up faster
+NODES = 1 << 16  # nodes between two checks where each takes about a microsecond
 STEPS = 20_000  # pairs of points, or so, between two checks
 
 
@@ -42,7 +43,7 @@ def cheapest_by_node(
         Length, summed length of the polygon edges just below, weight, longest path allowed.
     room : int
     check : callable
-        Called with the share done; may raise.
+        Called now and then, mostly with the share done; may raise.
 
     Returns
     -------
@@ -55,20 +56,22 @@ def cheapest_by_node(
     -----
     O(n) calls of a loop that takes 10 microseconds for a node with few points.
     """
-    outside = _shortest_outside(count, trees, length, base)
+    outside = _shortest_outside(count, trees, length, base, check)
     columns = [x.tolist() for x in (count, length, base, weight, limit, outside)]
-    cost, back = _fronts(columns, trees, room, check)
-    cut = _trace(columns[0], cost, *back)
+    cost, (paths, begin, self_at) = _fronts(columns, trees, room, check)
+    cut = _trace(columns[0], cost, paths, begin, self_at, check)
     return np.array(cost), cut
 
 
-def _shortest_outside(count, trees, length, base):
+def _shortest_outside(count, trees, length, base, check):
     """As in `min_weight`, one node at a time."""
     n = len(count)
     count, length, face = count.tolist(), length.tolist(), base.tolist()
     offer, outside = [0.0] * n, [inf] * n
     end = n
     for e in range(n - 1, -1, -1):
+        if e % NODES == 0:
+            check()
         total = 0.0  # not by sum(): it rounds in another way from Python 3.12 on
         for c in range(end - count[e], end):
             total += offer[c]
@@ -77,6 +80,8 @@ def _shortest_outside(count, trees, length, base):
         offer[e] = min(length[e], face[e])
     end = trees
     for e in range(n):
+        if e % NODES == 0:
+            check()
         beyond = min(length[e], outside[e])
         for c in range(end, end + count[e]):
             outside[c] = face[e] - offer[c] + beyond
@@ -277,13 +282,15 @@ def _close(offer, demand, length, weight, limit, outside, root):
     return offers, demands, self_at, sources
 
 
-def _trace(count, cost, paths, begin, self_at):
+def _trace(count, cost, paths, begin, self_at, check):
     """Selected edges of the cheapest assignment of each root."""
     n, trees = len(count), len(cost)
     point = [0 if c < inf else -1 for c in cost] + [-1] * (n - trees)
     cut = np.zeros(n, bool)
     end = trees
     for e in range(n):
+        if e % NODES == 0:
+            check()
         if point[e] >= 0:
             cut[e] = point[e] == self_at[e]
             at = begin[e] + point[e] * count[e]
