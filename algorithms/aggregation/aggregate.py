@@ -209,6 +209,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         add(
             choice(self.BOUNDARY, "Boundaries that count: of regions or of classes", BOUNDARIES, "regions"),
             "regions: between all regions. classes: only between regions of different class.",
+            advanced=True,
         )
         add(
             amount(self.WEIGHT_CENTRE, "Weight of centre distance", None, optional=True),
