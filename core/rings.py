@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-__all__ = ["Rings", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon", "previous", "ranges", "running",
-           "shapes", "signed_areas", "take"]
+__all__ = ["Rings", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon", "previous",
+           "ranges", "running", "shapes", "signed_areas", "take"]
 
 
 class Rings(NamedTuple):

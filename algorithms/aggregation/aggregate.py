@@ -21,15 +21,17 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ..base import LARGEST, IsthmusAlgorithm, counted
+from ..dependencies import install_hint
+from ..layers import wkb
+from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from . import areas as layer
 from . import report
-from ..layers import wkb
 from .presets import PRESETS
 from .tables import distances, thresholds
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
-from ..dependencies import install_hint
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from ..layers.sinks import Sinks, make_fields
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -242,7 +244,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         )
         add(
             QgsProcessingParameterField(
-                self.AREA_ID, "Field with the area of a piece", parentLayerParameterName=self.INPUT, optional=True
+                self.AREA_ID, "Field with the area of a piece",
+                parentLayerParameterName=self.INPUT, optional=True,
             ),
             "The field that is equal for the pieces of one area. Default: area_id, if there are "
             "fields area_id and piece.",
@@ -448,9 +451,9 @@ class _Run:
 
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
-        self.steps = Steps(self.source, feedback)
+        self.reader = Reader(self.source, feedback)
         feedback.setProgressText("Reading the areas")
-        areas = self.areas = layer.read(self.steps, crs)
+        areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
         pairs, length = layer.neighbours(areas)
         texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
@@ -610,7 +613,7 @@ class _Run:
         merged_shapes = joined(areas.coverage, out.merged[areas.owner])
 
         # several polygons for one feature: of multipart areas, or where overlaps must be united
-        wkb_type = self.steps.wkb_type
+        wkb_type = self.reader.wkb_type
         united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(out.members))
         united += len(set(out.merged[out.merged >= 0].tolist()) - set(merged_shapes))
         if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
@@ -687,7 +690,7 @@ class _Run:
         """Geometry of the areas of a region; of a single one its own, as it is."""
         if len(group) == 1:
             geometry = layer.with_dimensions(
-                self.areas.features[group[0]].geometry(), self.steps.wkb_type
+                self.areas.features[group[0]].geometry(), self.reader.wkb_type
             )
             if multi:
                 geometry.convertToMultiType()

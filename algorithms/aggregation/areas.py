@@ -76,21 +76,21 @@ def metres_of(crs):
     )
 
 
-def read(steps, crs):
+def read(reader, crs):
     """Read the features of a layer.
 
     Parameters
     ----------
-    steps : base.Steps
+    reader : layers.source.Reader
     crs : QgsCoordinateReferenceSystem
 
     Returns
     -------
     Areas
     """
-    kept = list(steps)
+    kept = list(reader)
     rings, owner, _ = wkb.read_polygons(
-        with_dimensions(feature.geometry(), steps.wkb_type) for feature in kept
+        with_dimensions(feature.geometry(), reader.wkb_type) for feature in kept
     )
     return arrange(kept, rings, owner, crs)
 

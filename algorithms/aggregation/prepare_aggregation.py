@@ -14,14 +14,16 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from . import areas as layer
 from ...core.progress import checker
+from ..base import counted
 from ..layers import wkb
-from ..base import Steps, counted, style_on_load
-from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
 from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
+from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
@@ -159,10 +161,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
         from ...core.rings import Rings, offsets_of
 
         class_index = _class_index(self, parameters, context, source)
-        crs, steps = source.sourceCrs(), Steps(source, feedback)
-        multi = QgsWkbTypes.isMultiType(steps.wkb_type)
+        crs, reader = source.sourceCrs(), Reader(source, feedback)
+        multi = QgsWkbTypes.isMultiType(reader.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
-        sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
+        sinks.open(self.OUTPUT, own, reader.wkb_type, crs)
         with_table = sinks.open(
             self.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
             QgsCoordinateReferenceSystem(), False,
@@ -178,14 +180,14 @@ class PrepareAggregationAlgorithm(PartitionTool):
             all_dilations=False,
         )
 
-        check = checker(steps.progress, feedback.isCanceled)
+        check = checker(reader.progress, feedback.isCanceled)
         kept, cut, classless = [], [], 0  # areas, and their pieces chunk by chunk
         try:
-            for features in steps.chunks():
+            for features in reader.chunks():
                 for feature in features:
                     classless += layer.text(feature.attributes()[class_index]) is None
                     feature.setGeometry(
-                        layer.with_dimensions(feature.geometry(), steps.wkb_type)
+                        layer.with_dimensions(feature.geometry(), reader.wkb_type)
                     )
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, check)
@@ -225,7 +227,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
-            [wkb.dimensions(steps.wkb_type)] * len(area), multi,
+            [wkb.dimensions(reader.wkb_type)] * len(area), multi,
         )
         for k, (number, reason, size, geometry) in enumerate(
             zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)

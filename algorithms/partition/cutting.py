@@ -21,12 +21,14 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from ..layers import wkb
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import slow_engine_note
-from .candidate_lines import CandidateLines
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from .candidate_lines import CandidateLines
 from .solving import (
     Settings,
     by_feature,
@@ -338,16 +340,16 @@ class CuttingTool(PartitionTool):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
-        steps = Steps(source, feedback)
+        reader = Reader(source, feedback)
         with Sinks(self, parameters, context, feedback) as sinks:
-            writer = _Writer(self, source, steps.wkb_type, sinks)
+            writer = _Writer(self, source, reader.wkb_type, sinks)
             settings = self.settings(
                 parameters, context, source, feedback, all_dilations=writer.with_diagonals
             )
             choose = self.chooser(parameters, context, source, feedback)
-            check = checker(steps.progress, feedback.isCanceled)
+            check = checker(reader.progress, feedback.isCanceled)
             try:
-                for features in steps.chunks():
+                for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
                         selection = choose(problem, stretch(check, 0.5, 0.7))

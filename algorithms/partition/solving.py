@@ -264,7 +264,7 @@ def pieces(problem, parts):
     """
     import numpy as np
 
-    from ...core.rings import groups, offsets_of, take
+    from ...core.rings import offsets_of, take
 
     rings, owner = problem.chunk.rings, problem.chunk.owner
     number = problem.prepared.polygons.number

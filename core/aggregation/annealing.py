@@ -21,7 +21,16 @@ from .blocks import best_of_both
 from .greedy import greedy, helpless, reach_count
 from .instance import costs, problems
 from .moves import (
-    Terms, draw, every_move, gather, merge, move_area, move_core, prices, recore, split,
+    Terms,
+    draw,
+    every_move,
+    gather,
+    merge,
+    move_area,
+    move_core,
+    prices,
+    recore,
+    split,
 )
 from .regions import Regions
 from .repair import HARD, repair
@@ -64,7 +73,7 @@ class _Effort(NamedTuple):
 
 def annealing(
     problem, seed=0, iterations=None, seconds=None, count=None, check=None, begin=None,
-    schedule=Schedule(),
+    schedule=Schedule(),  # noqa: B008  it cannot be changed
 ):
     """Aggregate by simulated annealing from the greedy result.
 

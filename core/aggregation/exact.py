@@ -23,7 +23,16 @@ from ..errors import MissingEngine
 from .annealing import annealing
 from .greedy import greedy, helpless
 from .instance import (
-    Solution, build, components, connected_parts, costs, each_share, enough, problems, shares, solution,
+    Solution,
+    build,
+    components,
+    connected_parts,
+    costs,
+    each_share,
+    enough,
+    problems,
+    shares,
+    solution,
 )
 
 __all__ = ["Exact", "exact", "require_highs"]

@@ -50,7 +50,7 @@ class Lines(NamedTuple):
     other: np.ndarray
 
 
-def from_lines(polygon, lines):
+def from_lines(polygon: Polygons, lines: np.ndarray) -> Lines:
     """Find out which lines are diagonals of a polygon that do not cross.
 
     Parameters

@@ -253,7 +253,8 @@ def true_dilations(
     for count, k in enumerate(np.flatnonzero(bound > 1.0).tolist()):
         if count % 256 == 0:
             check()
-        path, _ = _path(graph, *edges[k].tolist(), limit=float(bound[k] * length[k]))
+        u, v = edges[k].tolist()
+        path, _ = _path(graph, u, v, limit=float(bound[k] * length[k]))
         dilation[k] = min(bound[k], path / length[k])
     return at_least_one(dilation)
 
@@ -290,7 +291,8 @@ def largest_dilation(
         searches += 1
         own = float(length[k])
         # any way that is no longer than what is known will do
-        path, _ = _path(graph, *edges[k].tolist(), limit=most * own, enough=largest[p] * own)
+        u, v = edges[k].tolist()
+        path, _ = _path(graph, u, v, limit=most * own, enough=largest[p] * own)
         largest[p] = max(largest[p], min(most, path / own))
     return np.array(largest)
 
@@ -317,7 +319,8 @@ def drop_redundant(
     carved : solve.Carved
         With a T that is part of S.
     role, bound : (k,) int, (k,) float
-        On which side of each candidate its witness in the carved polygon lies, LEAF or ROOT, and its dilation.
+        LEAF or ROOT, the side of each candidate where its witness in the carved polygon lies, and its
+        dilation.
     check : callable
         Called now and then; may raise `Cancelled`.
 

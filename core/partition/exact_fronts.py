@@ -58,8 +58,8 @@ def cheapest_by_node(
     """
     outside = _shortest_outside(count, trees, length, base, check)
     columns = [x.tolist() for x in (count, length, base, weight, limit, outside)]
-    cost, back = _fronts(columns, trees, room, check)
-    cut = _trace(columns[0], cost, *back, check)
+    cost, (paths, begin, self_at) = _fronts(columns, trees, room, check)
+    cut = _trace(columns[0], cost, paths, begin, self_at, check)
     return np.array(cost), cut
 
 

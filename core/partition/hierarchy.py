@@ -19,9 +19,9 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
+from ..progress import ignore
 from .min_size import witness_lengths
 from .solve import Prepared, Selection
-from ..progress import ignore
 
 __all__ = ["Hierarchy", "Levels", "hierarchy", "levels"]
 

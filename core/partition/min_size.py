@@ -26,8 +26,8 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from .dual_tree import DualTree
 from ..progress import ignore
+from .dual_tree import DualTree
 
 __all__ = ["LEAF", "ROOT", "SELF", "Network", "min_size", "network", "witness_lengths"]
 
@@ -57,7 +57,7 @@ class Network(NamedTuple):
     base: np.ndarray
 
     @property
-    def narrow(self):
+    def narrow(self) -> bool:
         """Whether the trees are so deep that scalar loops are faster."""
         return len(self.length) < NARROW * len(self.tree.level_start)
 

@@ -21,10 +21,10 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
+from ..progress import ignore
 from . import pareto
 from .exact_fronts import cheapest_by_node
 from .min_size import SLACK, Network
-from ..progress import ignore
 
 __all__ = ["min_weight"]
 
@@ -472,7 +472,8 @@ class _Pass:
             collect((2 * item + demand)[row], i[row], j[k], weight[k], value[k])
         for item in np.flatnonzero(total > pareto.DENSE):
             demand, *found = pareto.dense_pairs(
-                front, left[item], right[item], base[item], value_cap[:, item], weight_cap[:, item], self.check
+                front, left[item], right[item], base[item], value_cap[:, item], weight_cap[:, item],
+                self.check,
             )
             collect(2 * item + demand, *found)
         seg, weight, value, i, j = (np.concatenate(x) for x in zip(*parts))

@@ -26,12 +26,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .polygon import Polygons
 from ..metric import Metric
 from ..rings import following, groups, locate, running
+from .polygon import Polygons
 
-__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED", "bends",
-           "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
+__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
+           "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
 RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)

@@ -318,9 +318,9 @@ def partition(
     result = finish(prepared, selection, all_dilations=all_dilations, check=stretch(check, 0.9, 1.0))
     check(1.0)
     return result._replace(
-        largest_dilation=float(result.largest_dilation[0]),
-        cost=float(result.cost[0]),
-        lower_bound=float(result.lower_bound[0]),
+        largest_dilation=float(np.asarray(result.largest_dilation)[0]),
+        cost=float(np.asarray(result.cost)[0]),
+        lower_bound=float(np.asarray(result.lower_bound)[0]),
     )
 
 
@@ -373,6 +373,7 @@ def prepare(
     component, wanted, attachable = _components(polygons, measure, min_hole)
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
     accepted = None
+    more: dict[str, np.ndarray] = {}  # what else belongs to the edges
     if lines is None:
         found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
@@ -380,17 +381,17 @@ def prepare(
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
-        chosen, more = np.ones(len(edges), dtype=bool), {}
+        chosen = np.ones(len(edges), dtype=bool)
         if generalise:
             chosen = found.why == KEPT if natural else found.why != SMALL
             number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
             np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
-            more = {"share": found.share}
+            more["share"] = found.share
         verdict[polygons.number] = problem
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
         problem, outline, chosen = np.full(len(polygons.unit), "", dtype=object), None, True
-        more = {"edge_line": edge_line}
+        more["edge_line"] = edge_line
     more["chosen"] = np.broadcast_to(chosen, len(edges))
     check(0.7)
 
@@ -436,7 +437,7 @@ def prepare(
                 edge_length=edge_length,
                 generalised=generalise,
                 set_aside=set_aside,
-                carved=None,
+                carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
                 edge_line=more.get("edge_line"),
             )

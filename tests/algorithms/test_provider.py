@@ -160,7 +160,7 @@ def test_defaults(tools):
 
 def load(destinations):
     """Load results as the window does: each on top of the one before, in the order of their ids."""
-    from isthmus.algorithms.base import style_on_load
+    from isthmus.algorithms.layers.styles import style_on_load
 
     project = QgsProject()
     context = QgsProcessingContext()
