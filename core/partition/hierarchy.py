@@ -54,14 +54,23 @@ class Levels(NamedTuple):
         The part that each becomes a piece of; -1 where it stays.
     from_tau, to_tau : (m,) float
         A part is one of the partition at tau where ``from_tau <= tau < to_tau``.
-    pieces : list of (k,) int
-        The parts of the finest partition that make up each.
+    leaf : (count,) int
+        The parts of the finest partition, so ordered that those that make up any part stand together.
+    first, last : (m,) int
+        They are ``leaf[first:last]``.
     """
 
     parent: np.ndarray
     from_tau: np.ndarray
     to_tau: np.ndarray
-    pieces: list
+    leaf: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+
+    @property
+    def pieces(self) -> list:
+        """For each part those of the finest partition that make it up, ascending."""
+        return [np.sort(self.leaf[lo:hi]) for lo, hi in zip(self.first.tolist(), self.last.tolist())]
 
 
 def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore) -> Hierarchy:
@@ -195,7 +204,9 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
     return Hierarchy(selected, persistence[selected], rank)
 
 
-def levels(found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float) -> Levels:
+def levels(
+    found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float | np.ndarray
+) -> Levels:
     """Make the parts of all levels from those of the finest partition.
 
     Parameters
@@ -205,16 +216,17 @@ def levels(found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float)
         The parts on the two sides of each cut (see `parts.Parts`).
     count : int
         Number of parts of the finest partition.
-    smallest_tau : float
-        Where it begins.
+    smallest_tau : float or (count,) float
+        Where it begins, for all of its parts or each.
 
     Returns
     -------
     Levels
+        Where a cut is not needed even at the smallest tau, the parts beside it live for no time.
 
     Notes
     -----
-    O(s log s), but for the lists of pieces.
+    O(s log s).
 
     Examples
     --------
@@ -223,42 +235,55 @@ def levels(found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float)
     >>> made = levels(found, np.array([[0, 1], [1, 2]]), 3, 2.0)
     >>> made.parent, made.from_tau, made.to_tau
     (array([ 4,  3,  3,  4, -1]), array([2., 2., 2., 4., 9.]), array([ 9.,  4.,  4.,  9., inf]))
+    >>> made.pieces[3:]
+    [array([1, 2]), array([0, 1, 2])]
     """
-    parent, start = [-1] * count, [smallest_tau] * count
-    stop, pieces = [np.inf] * count, [[k] for k in range(count)]
-    now = list(range(count))  # the part that each piece of the finest partition is in
+    parent = [-1] * count
+    start = np.broadcast_to(np.asarray(smallest_tau, dtype=float), count).tolist()
+    stop, children = [np.inf] * count, {}
+    made_of = list(range(count))  # a part of the finest partition: one in the same part now
+    now = list(range(count))  # the part that such a representative is in
+
+    def find(k):
+        while made_of[k] != k:
+            made_of[k] = made_of[made_of[k]]
+            k = made_of[k]
+        return k
 
     # those that go at the same tau go at once: no part lives for no time
     order = np.lexsort((-found.rank, found.persistence))
     order = order[np.isfinite(found.persistence[order])]
     tau = found.persistence[order]
     for group in np.split(order, np.flatnonzero(np.diff(tau)) + 1) if len(order) else ():
-        at = float(max(found.persistence[group[0]], smallest_tau))
-        together = {}
-
-        def find(k):
-            while together.get(k, k) != k:
-                k = together[k]
-            return k
-
+        at, joined = float(found.persistence[group[0]]), {}
         for a, b in sides[group].tolist():
-            a, b = find(now[a]), find(now[b])
+            a, b = find(a), find(b)
             if a != b:
-                together[max(a, b)] = min(a, b)
-        joined = {}
-        for k in {x for pair in together.items() for x in pair}:
-            joined.setdefault(find(k), []).append(k)
+                a, b = min(a, b), max(a, b)
+                made_of[b] = a
+                mine = joined.setdefault(a, [now[a]])
+                mine += joined.pop(b, [now[b]])
         for root in sorted(joined):
-            new = len(parent)
-            own = sorted(p for k in joined[root] for p in pieces[k])
-            for k in joined[root]:
-                parent[k], stop[k] = new, at
-            for p in own:
-                now[p] = new
+            new, own = len(parent), joined[root]
+            for k in own:
+                parent[k], stop[k] = new, max(at, start[k])
+            children[new] = own
+            now[root] = new
             parent.append(-1)
-            start.append(at)
+            start.append(max(at, max(start[k] for k in own)))
             stop.append(np.inf)
-            pieces.append(own)
-    return Levels(
-        np.array(parent), np.array(start), np.array(stop), [np.array(own) for own in pieces]
-    )
+
+    leaf, first, last = [], [0] * len(parent), [0] * len(parent)
+    stack = [k for k in range(len(parent) - 1, -1, -1) if parent[k] < 0]
+    while stack:
+        k = stack.pop()
+        if k < 0:  # all pieces of this part have been listed
+            last[-1 - k] = len(leaf)
+            continue
+        first[k] = len(leaf)
+        if k < count:
+            leaf.append(k)
+        stack.append(-1 - k)
+        stack += children.get(k, ())
+    whole = [np.array(x, dtype=np.int64) for x in (parent, leaf, first, last)]
+    return Levels(whole[0], np.array(start), np.array(stop), *whole[1:])
