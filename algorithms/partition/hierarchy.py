@@ -237,11 +237,12 @@ def _nest(problem, tau_of, parts_of, check):
     )
     nested.pieces = pieces(problem, nested.parts)
 
-    persistence = np.minimum(found.persistence, NO_END)
     owner = prepared.owner[selected]
     feature = problem.owner[owner]
+    # the finest level has all cuts, though in another T one may turn out not to be needed
+    persistence = np.clip(found.persistence, np.nextafter(tau[feature], np.inf), NO_END)
     by_rank = np.lexsort((found.rank, owner, -persistence, feature))
-    cuts = (problem.verdict[prepared.polygons.number[owner]] == "") & (persistence > tau[feature])
+    cuts = problem.verdict[prepared.polygons.number[owner]] == ""
     by_rank = by_rank[cuts[by_rank]]
     rank = np.zeros(len(selected), dtype=np.int64)
     first = np.searchsorted(feature[by_rank], np.arange(len(features) + 1))
