@@ -1,6 +1,7 @@
 """The tool ``isthmus:hierarchy``."""
 
 import math
+from typing import NamedTuple
 
 from qgis.core import (
     NULL,
@@ -180,7 +181,7 @@ class HierarchyAlgorithm(PartitionTool):
         return {**destinations, **writer.numbers}
 
 
-class _Nested:
+class _Nested(NamedTuple):
     """The levels of a chunk.
 
     Attributes
@@ -203,6 +204,17 @@ class _Nested:
         Features that have no level with so many parts.
     """
 
+    selection: object
+    parts: object
+    pieces: object
+    persistence: object
+    rank: object
+    cuts: object
+    levels: object
+    tau: object
+    ranges: dict
+    missed: int
+
 
 def _nest(problem, tau_of, parts_of, check):
     """Solve a chunk and order its cuts."""
@@ -221,7 +233,8 @@ def _nest(problem, tau_of, parts_of, check):
     wanted = np.full(len(features), np.nan)
     if parts_of is not None:
         wanted = np.array([parts_of(feature) for feature in features])
-        for f in np.flatnonzero((wanted < 1.0) | (wanted % 1.0 > 0.0) | np.isinf(wanted)).tolist():
+        bad = (wanted < 1.0) | (wanted != np.floor(wanted)) & ~np.isnan(wanted) | np.isinf(wanted)
+        for f in np.flatnonzero(bad).tolist():
             problem.refuse(f, f"PARTS must be a whole number of at least 1, and is {wanted[f]:g}")
             wanted[f] = np.nan
 
@@ -230,12 +243,9 @@ def _nest(problem, tau_of, parts_of, check):
     )
     found = hierarchy(prepared, selection, stretch(check, 0.2, 1.0))
     selected, tree = selection.selected, selection.carved.tree
-    nested = _Nested()
-    nested.selection, nested.tau = selection, tau
-    nested.parts = build_parts(
+    parts = build_parts(
         prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area
     )
-    nested.pieces = pieces(problem, nested.parts)
 
     owner = prepared.owner[selected]
     feature = problem.owner[owner]
@@ -250,27 +260,36 @@ def _nest(problem, tau_of, parts_of, check):
 
     # a cut that goes at once parts nothing; one that never goes parts all levels
     goes = np.where(cuts, np.where(persistence < NO_END, persistence, np.inf), 0.0)
-    nested.ranges, nested.missed = {}, 0
+    ranges, missed = {}, 0
     in_tree = np.isin(selected, tree)
     polygons = np.bincount(problem.chunk.owner, minlength=len(features))
     for f in np.flatnonzero(wanted >= 1.0).tolist():
         own = by_rank[first[f]:first[f + 1]]
         own = own[~in_tree[own]]
         count = int(min(max(wanted[f] - polygons[f], 0), len(own)))
-        nested.missed += int(polygons[f] > 0 and polygons[f] + count != wanted[f])
+        missed += int(polygons[f] > 0 and polygons[f] + count != wanted[f])
         goes[own[:count]], goes[own[count:]] = np.inf, 0.0
         cuts[own[count:]] = False
-        nested.ranges[f] = (
+        ranges[f] = (
             float(persistence[own[count]]) if count < len(own) else float(tau[f]),
             float(persistence[own[count - 1]]) if count else NO_END,
         )
-    part_polygon = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(nested.parts.part_offsets))
-    nested.levels = levels(
-        found._replace(persistence=goes), nested.parts.sides, len(part_polygon),
-        tau[problem.owner[part_polygon]],
+    part_polygon = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
+    return _Nested(
+        selection=selection,
+        parts=parts,
+        pieces=pieces(problem, parts),
+        persistence=persistence,
+        rank=rank,
+        cuts=cuts,
+        levels=levels(
+            found._replace(persistence=goes), parts.sides, len(part_polygon),
+            tau[problem.owner[part_polygon]],
+        ),
+        tau=tau,
+        ranges=ranges,
+        missed=missed,
     )
-    nested.persistence, nested.rank, nested.cuts = persistence, rank, cuts
-    return nested
 
 
 class _Writer:
@@ -295,7 +314,7 @@ class _Writer:
         import numpy as np
 
         chunk, tool, prepared = problem.chunk, self.tool, problem.prepared
-        found, count = nested.pieces, len(chunk.features)
+        count = len(chunk.features)
         items = _items(problem, nested)
         own = items.level == 0
         at_first = np.bincount(items.feature[own], minlength=count)
@@ -390,7 +409,7 @@ class _Writer:
             )
 
 
-class _Items:
+class _Items(NamedTuple):
     """What to write of a chunk, by feature, level and size; arrays with an entry for each.
 
     Attributes
@@ -403,6 +422,16 @@ class _Items:
     whole : int
         The polygon of the chunk that it is all of; -1 where it is not.
     """
+
+    feature: object
+    number: object
+    parent: object
+    level: object
+    from_tau: object
+    to_tau: object
+    area: object
+    part: object
+    whole: object
 
 
 def _items(problem, nested):
@@ -424,31 +453,30 @@ def _items(problem, nested):
     left_area = np.zeros(len(problem.verdict))
     left_area[nested.pieces.polygon[of_piece]] = nested.pieces.area[of_piece]
 
-    items = _Items()
-    items.part = np.append(shown, np.full(len(left), -1))
+    part = np.append(shown, np.full(len(left), -1))
     all_of_it = (made.last - made.first == np.diff(parts.part_offsets)[polygon])[shown]
-    items.whole = np.append(np.where(all_of_it, number[shown], -1), left)
-    items.area = np.append(area[shown], left_area[left])
-    items.feature = problem.chunk.owner[np.append(number[shown], left)]
-    items.from_tau = np.append(made.from_tau[shown], nested.tau[problem.chunk.owner[left]])
-    items.to_tau = np.append(np.minimum(made.to_tau[shown], NO_END), np.full(len(left), NO_END))
+    whole = np.append(np.where(all_of_it, number[shown], -1), left)
+    area = np.append(area[shown], left_area[left])
+    feature = problem.chunk.owner[np.append(number[shown], left)]
+    from_tau = np.append(made.from_tau[shown], nested.tau[problem.chunk.owner[left]])
+    to_tau = np.append(np.minimum(made.to_tau[shown], NO_END), np.full(len(left), NO_END))
+    order = np.lexsort((part, -area, from_tau, feature))
+    part, whole, area, feature, from_tau, to_tau = (
+        x[order] for x in (part, whole, area, feature, from_tau, to_tau)
+    )
 
-    order = np.lexsort((items.part, -items.area, items.from_tau, items.feature))
-    for name, values in vars(items).items():
-        setattr(items, name, values[order])
-    new_feature = np.diff(items.feature, prepend=-1) != 0
+    new_feature = np.diff(feature, prepend=-1) != 0
     first = np.maximum.accumulate(np.where(new_feature, np.arange(len(order)), 0))
-    items.number = np.arange(len(order)) - first + 1
-    steps = np.cumsum((np.diff(items.from_tau, prepend=0.0) != 0) & ~new_feature)
-    items.level = steps - steps[first]
-    number_of = np.zeros(len(made.parent) + 1, dtype=np.int64)  # the last one is for no parent
-    number_of[items.part[items.part >= 0]] = items.number[items.part >= 0]
-    number_of[-1] = 0
-    items.parent = np.where(items.part >= 0, number_of[made.parent[items.part]], 0)
+    place = np.arange(len(order)) - first + 1
+    steps = np.cumsum((np.diff(from_tau, prepend=0.0) != 0) & ~new_feature)
+    place_of = np.zeros(len(made.parent) + 1, dtype=np.int64)  # the last one is for no parent
+    place_of[part[part >= 0]] = place[part >= 0]
+    parent = np.append(made.parent, -1)[part]
     for f, (least, most) in nested.ranges.items():
-        own = items.feature == f
-        items.from_tau[own], items.to_tau[own] = least, most
-    return items
+        from_tau[feature == f], to_tau[feature == f] = least, most
+    return _Items(
+        feature, place, place_of[parent], steps - steps[first], from_tau, to_tau, area, part, whole
+    )
 
 
 def _geometries(problem, nested, items, multi):

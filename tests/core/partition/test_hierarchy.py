@@ -98,10 +98,13 @@ def test_natural_candidates_have_levels_too():
     assert found.persistence.tolist() == pytest.approx([19.0, 5.0] if found.rank[0] == 1 else [5.0, 19.0])
 
 
-@pytest.mark.parametrize("name, tau", [("tour", 1.4), ("spiral", 1.2), ("comb", 2.0), ("holes", 1.3), ("natural", 1.0)])
+@pytest.mark.parametrize(
+    "name, tau", [("tour", 1.4), ("spiral", 1.2), ("comb", 2.0), ("holes", 1.3), ("natural", 1.0)]
+)
 def test_paths_and_array_calls_tell_the_same(monkeypatch, name, tau):
     shape = {
-        "tour": shapes.tour(5, 300), "spiral": shapes.spiral(12), "comb": shapes.comb(40), "holes": shapes.mosaic(3, 150),
+        "tour": shapes.tour(5, 300), "spiral": shapes.spiral(12), "comb": shapes.comb(40),
+        "holes": shapes.mosaic(3, 150),
         "natural": shapes.tour(6, 300),
     }[name]
     found = []
