@@ -9,6 +9,7 @@ from .aggregation.aggregate import AggregateAlgorithm
 from .aggregation.prepare_aggregation import PrepareAggregationAlgorithm
 from .base import ICON
 from .focus.focus_map import FocusMapAlgorithm
+from .partition.hierarchy import HierarchyAlgorithm
 from .partition.partition import PartitionAlgorithm
 from .partition.partition_budget import PartitionBudgetAlgorithm
 from .partition.tradeoff import TradeoffAlgorithm
@@ -38,6 +39,7 @@ class IsthmusProvider(QgsProcessingProvider):
             PartitionAlgorithm,
             PartitionBudgetAlgorithm,
             TradeoffAlgorithm,
+            HierarchyAlgorithm,
             PrepareAggregationAlgorithm,
             AggregateAlgorithm,
             FocusMapAlgorithm,

@@ -551,6 +551,7 @@ def test_fields(tools):
         "aggregate": {"INPUT": two, "CLASS": "class", "THRESHOLD": 10},
         "focusmap": {"INPUT": one, "FOCUS": focus, "FRAME": False},
         "partition": {"INPUT": one}, "partitionbudget": {"INPUT": one}, "tradeoff": {"INPUT": one},
+        "hierarchy": {"INPUT": one},
         "prepareaggregation": {"INPUT": two, "CLASS": "class"},
     }  # fmt: skip
     listed = reference.fields()

@@ -537,30 +537,34 @@ class _Writer:
             f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
-        self._report_rules(feedback)
+        report_rules(feedback, self.small, self.holes, self.rules)
         if skipped:
             feedback.pushInfo(
                 f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
             )
 
 
-    def _report_rules(self, feedback):
-        """Say what did not count, by which rule, and what to change if that is not wanted."""
-        text = (
-            f"{counted(self.small, 'part')} {'is' if self.small == 1 else 'are'} smaller than 1 per cent "
-            "of the feature."
+def report_rules(feedback, small, holes, rules):
+    """Say what did not count, by which rule, and what to change if that is not wanted.
+
+    ``small`` parts came out, ``holes`` were set aside, and of the diagonals as many as ``rules`` has (the
+    sums of `Prepared.set_aside`).
+    """
+    text = (
+        f"{counted(small, 'part')} {'is' if small == 1 else 'are'} smaller than 1 per cent "
+        "of the feature."
+    )
+    if holes or sum(rules[1:]):
+        _, below, straight, even, used = rules
+        text += (
+            f" Set aside: {counted(holes, 'hole')} and {counted(below, 'diagonal')} with less on "
+            f"one side than SMALLEST_PART (or MIN_HOLE); {straight + even + used:,} where the outline "
+            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
+            "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
         )
-        if self.holes or sum(self.rules[1:]):
-            _, small, straight, even, used = self.rules
-            text += (
-                f" Set aside: {counted(self.holes, 'hole')} and {counted(small, 'diagonal')} with less on "
-                f"one side than SMALLEST_PART (or MIN_HOLE); {straight + even + used:,} where the outline "
-                "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
-                "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-            )
-        else:
-            text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
-        feedback.pushInfo(text)
+    else:
+        text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
+    feedback.pushInfo(text)
 
 
 def _or_null(value):
