@@ -1,4 +1,4 @@
-"""What all tools share: icon, group, parameters, layer styles."""
+"""What all tools share: icon, group, parameters."""
 
 import functools
 import html
@@ -6,33 +6,20 @@ import math
 from pathlib import Path
 
 from qgis.core import (
-    QgsFeatureRequest,
     QgsProcessingAlgorithm,
-    QgsProcessingContext,
     QgsProcessingException,
-    QgsProcessingFeatureSource,
-    QgsProcessingLayerPostProcessorInterface,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
-    QgsProcessingUtils,
 )
-from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QIcon
 
 from .dependencies import dependency_problem
-from .layers.wkb import common_type
 
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
 
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
-
-# Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
-CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
-
-# the tools check geometries themselves, and pass invalid ones through
-WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
 
 
 class IsthmusAlgorithm(QgsProcessingAlgorithm):
@@ -152,120 +139,3 @@ def _without_frames(process):
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
     return f"{number:,} {what}{'s' * (number != 1)}"
-
-
-class Steps:
-    """Iterates over the features of a polygon source, with progress weighed by vertices.
-
-    Parameters
-    ----------
-    source : QgsProcessingFeatureSource
-    feedback : QgsProcessingFeedback
-
-    Attributes
-    ----------
-    wkb_type : QgsWkbTypes.Type
-        What all geometries fit in: linear, and with Z, M or several parts where any has them,
-        though the source (GeoJSON, for one) may declare less.
-    """
-
-    def __init__(self, source, feedback):
-        self.source, self.feedback = source, feedback
-        self.sizes, types = [], {source.wkbType()}
-        request = QgsFeatureRequest().setSubsetOfAttributes([])
-        for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
-            if feature.hasGeometry():
-                geometry = feature.geometry().constGet()
-                types.add(geometry.wkbType())
-            self.sizes.append(1 + geometry.nCoordinates() if feature.hasGeometry() else 1)
-        self.wkb_type = common_type(types)
-        self.total = sum(self.sizes) or 1
-        self.done, self.size = 0, 0
-
-    def __iter__(self):
-        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
-        for feature, size in zip(features, self.sizes):
-            self.size = size
-            if self.feedback.isCanceled():
-                return
-            yield feature
-            self.done += self.size
-            self.feedback.setProgress(100.0 * self.done / self.total)
-
-    def chunks(self):
-        """Yield lists of features, few or small enough to be worked on at once.
-
-        What is yielded counts as done when the next is asked for.
-        """
-        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
-        chunk, self.size = [], 0
-        for feature, size in zip(features, self.sizes):
-            if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
-                yield chunk
-                self.done += self.size
-                chunk, self.size = [], 0
-            if self.feedback.isCanceled():
-                return
-            chunk.append(feature)
-            self.size += size
-        if chunk:
-            yield chunk
-        self.done += self.size
-        self.feedback.setProgress(100.0 * self.done / self.total)
-
-    def progress(self, share):
-        """Report the share done of the current feature or chunk."""
-        self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
-
-
-class _Styler(QgsProcessingLayerPostProcessorInterface):
-    """Gives a loaded result its style, and its place among the results of the run."""
-
-    def __init__(self, style, rank):
-        super().__init__()
-        self.style, self.rank = style, rank
-
-    def postProcessLayer(self, layer, context, feedback):
-        if self.style:
-            layer.loadNamedStyle(str(RESOURCES / "styles" / self.style))
-            layer.triggerRepaint()
-        _arrange(context)
-
-
-def _arrange(context):
-    """Put the results of a run into the order of their ranks in the layer tree.
-
-    QGIS 3.22 loads them in the order of their ids or paths, each on top of the one before.
-    """
-    ranked = {}  # by group
-    for destination, details in context.layersToLoadOnCompletion().items():
-        styler = details.postProcessor()
-        layer = QgsProcessingUtils.mapLayerFromString(destination, context, False)
-        if details.project is None or layer is None or not isinstance(styler, _Styler):
-            continue
-        node = details.project.layerTreeRoot().findLayer(layer.id())
-        if node is not None:
-            ranked.setdefault(node.parent(), []).append((styler.rank, node))
-    for group, found in ranked.items():
-        places = [group.children().index(node) for _, node in sorted(found, key=lambda f: f[0])]
-        if places == sorted(places):
-            continue
-        top = min(places)
-        for _, node in sorted(found, key=lambda f: -f[0]):
-            group.insertChildNode(top, node.clone())
-            group.removeChildNode(node)
-
-
-_stylers = []  # those that wait for their layer: Python must not delete them
-
-
-def style_on_load(context: QgsProcessingContext, destination, style, rank=1):
-    """Give a result its style, if any, and its place if Processing loads it into a project.
-
-    Results of a lower rank lie above those of a higher one.
-    """
-    if destination and context.willLoadLayerOnCompletion(destination):
-        # one for each result: the context deletes it in the end, whatever the documentation says
-        styler = _Styler(style, rank)
-        _stylers[:] = [old for old in _stylers if not sip.isdeleted(old)] + [styler]
-        context.layerToLoadOnCompletionDetails(destination).setPostProcessor(styler)

@@ -6,11 +6,12 @@ from qgis.core import QgsProcessingProvider
 from qgis.PyQt.QtGui import QIcon
 
 from .aggregation.aggregate import AggregateAlgorithm
+from .aggregation.prepare_aggregation import PrepareAggregationAlgorithm
 from .base import ICON
 from .focus.focus_map import FocusMapAlgorithm
+from .partition.hierarchy import HierarchyAlgorithm
 from .partition.partition import PartitionAlgorithm
 from .partition.partition_budget import PartitionBudgetAlgorithm
-from .aggregation.prepare_aggregation import PrepareAggregationAlgorithm
 from .partition.tradeoff import TradeoffAlgorithm
 
 
@@ -38,6 +39,7 @@ class IsthmusProvider(QgsProcessingProvider):
             PartitionAlgorithm,
             PartitionBudgetAlgorithm,
             TradeoffAlgorithm,
+            HierarchyAlgorithm,
             PrepareAggregationAlgorithm,
             AggregateAlgorithm,
             FocusMapAlgorithm,

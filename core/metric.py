@@ -40,12 +40,12 @@ class Metric(NamedTuple):
     conformal: Callable | None
 
 
-def planar():
+def planar() -> Metric:
     """Return the metric of projected coordinates."""
     return Metric(_same, _planar_length, _same, None)
 
 
-def ellipsoidal(a=6378137.0, b=6356752.314245179):
+def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
     """Return the metric of longitude and latitude in degrees on an ellipsoid.
 
     Parameters

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cmp_to_key
+from typing import Sequence
 
 import numpy as np
 
@@ -12,7 +13,7 @@ __all__ = ["ccw_order", "crossing", "orientation", "orientations", "sort_ccw"]
 _ERROR_BOUND = 3.3306690738754716e-16  # Shewchuk's ccwerrboundA for IEEE doubles
 
 
-def orientation(ax, ay, bx, by, cx, cy):
+def orientation(ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> int:
     """Sign of the turn a -> b -> c, exact: 1 left, -1 right, 0 straight on.
 
     A float filter decides nearly always; rational arithmetic decides the rest.
@@ -22,12 +23,12 @@ def orientation(ax, ay, bx, by, cx, cy):
     determinant = left - right
     if abs(determinant) > _ERROR_BOUND * (abs(left) + abs(right)):
         return 1 if determinant > 0 else -1
-    ax, ay, bx, by, cx, cy = map(Fraction, (ax, ay, bx, by, cx, cy))
-    determinant = (ax - cx) * (by - cy) - (ay - cy) * (bx - cx)
-    return (determinant > 0) - (determinant < 0)
+    fax, fay, fbx, fby, fcx, fcy = map(Fraction, (ax, ay, bx, by, cx, cy))
+    exact = (fax - fcx) * (fby - fcy) - (fay - fcy) * (fbx - fcx)
+    return (exact > 0) - (exact < 0)
 
 
-def orientations(a, b, c):
+def orientations(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Signs of many turns a -> b -> c, exact; see `orientation`.
 
     Parameters
@@ -48,7 +49,7 @@ def orientations(a, b, c):
     return sign
 
 
-def crossing(one, other):
+def crossing(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Which of pairs of segments cross, each in the inside of both; exact.
 
     Parameters
@@ -71,7 +72,7 @@ def crossing(one, other):
     )
 
 
-def sort_ccw(origin, targets):
+def sort_ccw(origin: Sequence[float], targets: Sequence) -> list:
     """Sort points counter-clockwise around an origin, from the positive x direction on.
 
     Parameters
@@ -99,8 +100,8 @@ def sort_ccw(origin, targets):
     return sorted(targets, key=cmp_to_key(compare))
 
 
-def ccw_order(group, origin, target):
-    """Sort spokes by group, and counter-clockwise around the origin of each, from the positive x direction on.
+def ccw_order(group: np.ndarray, origin: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Sort spokes by group, and counter-clockwise around the origin of each, from positive x on.
 
     Parameters
     ----------

@@ -4,12 +4,16 @@ Every stage that takes time gets ``check``: it calls ``check()`` now and then, o
 the share it has done, and stops where that raises `Cancelled`.
 """
 
+from __future__ import annotations
+
+from typing import Callable
+
 from .errors import Cancelled
 
 __all__ = ["checker", "ignore", "stretch"]
 
 
-def checker(progress, cancelled):
+def checker(progress: Callable | None, cancelled: Callable | None) -> Callable:
     """Return the ``check`` of a ``progress(share)`` and a ``cancelled()``; each may be None."""
 
     def check(share=None):
@@ -21,7 +25,7 @@ def checker(progress, cancelled):
     return check
 
 
-def stretch(check, start, stop):
+def stretch(check: Callable, start: float, stop: float) -> Callable:
     """Return the ``check`` of a stage that runs from one share of the whole to another."""
 
     def check_stage(share=None):
@@ -30,5 +34,5 @@ def stretch(check, start, stop):
     return check_stage
 
 
-def ignore(_share=None):
+def ignore(_share: float | None = None) -> None:
     """The ``check`` of a caller that has none."""

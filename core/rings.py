@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-__all__ = ["Rings", "cycles", "following", "groups", "offsets_of", "one_polygon", "previous", "ranges", "running",
-           "shapes", "signed_areas", "take"]
+__all__ = ["Rings", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon", "previous",
+           "ranges", "running", "shapes", "signed_areas", "take"]
 
 
 class Rings(NamedTuple):
@@ -130,7 +130,7 @@ def running(values: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.nda
     Parameters
     ----------
     values : (k,) float
-        Finite and not negative.
+        Finite.
     offsets : (g + 1,) int
 
     Returns
@@ -140,8 +140,8 @@ def running(values: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.nda
 
     Notes
     -----
-    In integers, 2**62 to the total of a group: they add up exactly, so that a group does not depend on
-    the digits of those before it (a sum of floats over all groups would lose them). O(k).
+    In integers, 2**61 or so to the sum of a group's magnitudes: they add up exactly, so that a group does
+    not depend on the digits of those before it (a sum of floats over all groups would lose them). O(k).
 
     Examples
     --------
@@ -152,13 +152,48 @@ def running(values: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.nda
     total = np.zeros(len(some))
     if not len(values):
         return np.zeros(0), total
+    size = np.zeros(len(some))
     total[some] = np.add.reduceat(values, offsets[:-1][some])
-    exponent = 61 - np.frexp(total)[1]
+    size[some] = np.add.reduceat(np.abs(values), offsets[:-1][some])
+    exponent = 61 - np.frexp(size)[1]
     of = groups(offsets)
     steps = np.rint(np.ldexp(values, exponent[of])).astype(np.int64)
     passed = np.cumsum(steps) - steps  # overflows, which subtraction undoes
     passed -= passed[offsets[:-1][some]].repeat(np.diff(offsets)[some])
     return np.ldexp(passed.astype(float), -exponent[of]), total
+
+
+def locate(
+    before: np.ndarray, total: np.ndarray, offsets: np.ndarray, group: np.ndarray, where: np.ndarray
+) -> np.ndarray:
+    """Return the elements in which places along groups lie.
+
+    Parameters
+    ----------
+    before, total : (k,) float, (g,) float
+        See `running`; no value is negative, no total zero.
+    offsets : (g + 1,) int
+    group : int array
+        Of each place.
+    where : float array
+        Distance of each from the start of its group, from 0 to its total.
+
+    Notes
+    -----
+    O(log k) a place, by one search: a group and a share of its total are one integer.
+
+    Examples
+    --------
+    >>> locate(np.array([0.0, 2.0, 0.0]), np.array([5.0, 1.0]), np.array([0, 2, 3]), np.array([0, 1]),
+    ...        np.array([2.5, 0.5]))
+    array([1, 2])
+    """
+    def key(number, share):
+        return (number << 41) + (share * 2.0**40).astype(np.int64)
+
+    of = groups(offsets)
+    found = np.searchsorted(key(of, before / total[of]), key(group, where / total[group]), side="right") - 1
+    return np.clip(found, offsets[group], offsets[group + 1] - 1)
 
 
 def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ import gallery
 import numpy as np
 import shapely
 from gallery import gshhg
-from maps import BUILD, INK, PICTURES, ROOT, opened, run, save, saved, shapes, start, stop, world
+from maps import BUILD, EVERY_DIAGONAL, INK, PICTURES, ROOT, opened, run, save, saved, shapes, start, stop, world
 from measured import note
 from qgis.core import QgsFeatureRequest
 from qgis.PyQt.QtCore import QPointF, QRectF, Qt
@@ -170,7 +170,7 @@ def necks():
 def curve(path, tau_min=2.0, **more):
     """Return the steps (tau, cuts) of a polygon, tau falling."""
     done = run(
-        "isthmus:tradeoff", INPUT=path, TAU_MIN=tau_min, STEPS=100_000, **more,
+        "isthmus:tradeoff", INPUT=path, TAU_MIN=tau_min, STEPS=100_000, **EVERY_DIAGONAL, **more,
         OUTPUT=BUILD / "steps.gpkg",
     )  # fmt: skip
     steps = [(f["tau"], f["cuts"]) for f in opened(done.results["OUTPUT"]).getFeatures()]
@@ -280,7 +280,7 @@ def detail():
         counts = []
         for floor in floors:
             found = run(
-                "isthmus:partition", INPUT=path, TAU=4, MIN_LENGTH=floor, OUTPUT=BUILD / "x.gpkg"
+                "isthmus:partition", INPUT=path, TAU=4, **EVERY_DIAGONAL, MIN_LENGTH=floor, OUTPUT=BUILD / "x.gpkg"
             ).results  # fmt: skip
             if found["SKIPPED_COUNT"]:
                 sys.exit("  Eurasia could not be cut")
@@ -303,7 +303,7 @@ def holes():
     rows = []
     for area in areas:
         done = run(
-            "isthmus:partition", INPUT=path, TAU=4, OBJECTIVE="MinLength", MIN_LENGTH=20_000,
+            "isthmus:partition", INPUT=path, TAU=4, **EVERY_DIAGONAL, OBJECTIVE="MinLength", MIN_LENGTH=20_000,
             MIN_HOLE=area * 1_000_000, OUTPUT=BUILD / "x.gpkg", CUTS=BUILD / "y.gpkg",
         )  # fmt: skip
         cuts = list(opened(done.results["CUTS"]).getFeatures())

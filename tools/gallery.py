@@ -20,6 +20,7 @@ import numpy as np
 import shapely
 from maps import (
     BUILD,
+    EVERY_DIAGONAL,
     LAND,
     LAND_PARTS,
     ROOT,
@@ -66,7 +67,7 @@ class Skip(Exception):
 def solved(tool, path, name, extra=(), **parameters):
     """Run a partition tool; return the layers of parts and cuts, and what is to be noted."""
     done = run(
-        tool, INPUT=path, **parameters,
+        tool, INPUT=path, **parameters, **EVERY_DIAGONAL,
         OUTPUT=BUILD / f"{name}_parts.gpkg", CUTS=BUILD / f"{name}_cuts.gpkg",
     )  # fmt: skip
     results = done.results
@@ -492,7 +493,7 @@ def focus_map():
         ]
         if layer == britain:  # the tool gives the diagonals where they are in the focus map
             cuts = run(
-                "isthmus:partition", INPUT=britain, TAU=2, OUTPUT=BUILD / "x.gpkg",
+                "isthmus:partition", INPUT=britain, TAU=2, **EVERY_DIAGONAL, OUTPUT=BUILD / "x.gpkg",
                 CUTS=BUILD / "diagonals.gpkg",
             )  # fmt: skip
             if cuts.results["CUT_COUNT"] != noted["MinSize"]["edges"]:

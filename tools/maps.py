@@ -109,6 +109,9 @@ class Quiet(QgsProcessingFeedback):
         print("  error:", text)
 
 
+EVERY_DIAGONAL = {"PLACES": "Any", "SMALLEST_PART": 0}  # the problem of the paper
+
+
 def run(tool, **parameters):
     """Run a tool; paths below the clone are shown relative to it."""
     import processing

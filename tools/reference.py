@@ -32,6 +32,7 @@ def fields():
     from isthmus.algorithms.aggregation import aggregate
     from isthmus.algorithms.partition import cutting
     from isthmus.algorithms.focus import focus_map
+    from isthmus.algorithms.partition import hierarchy
     from isthmus.algorithms.partition import partition_budget
     from isthmus.algorithms.aggregation import prepare_aggregation
     from isthmus.algorithms.partition import tradeoff
@@ -44,6 +45,7 @@ def fields():
         "partition": {"OUTPUT": (every, *cutting.PART_FIELDS), **lines},
         "partitionbudget": {"OUTPUT": (every, *budget), **lines},
         "tradeoff": {"OUTPUT": tradeoff.FIELDS},
+        "hierarchy": {"OUTPUT": (every, *hierarchy.LEVEL_FIELDS), "CUTS": hierarchy.RANKED_FIELDS},
         "prepareaggregation": {
             "OUTPUT": (every, *prepare_aggregation.PIECE_FIELDS),
             "ADJACENCY": prepare_aggregation.PAIR_FIELDS,

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TOOLS = ("partition", "partitionbudget", "tradeoff", "prepareaggregation", "aggregate", "focusmap")
 COUNTRIES = "iso_a2 IN ('AL','AT','BA','BG','GR','HR','HU','IT','ME','MK','RO','RS','SI','TR','XK')"
 # in metres and square metres, for the map's coordinates are degrees
-CUTTING = {"TAU": 4, "MIN_LENGTH": 20_000, "MIN_HOLE": 100_000_000}
+CUTTING = {"TAU": 3}
 
 SETTINGS = """\
 [PythonPlugins]

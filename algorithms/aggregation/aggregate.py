@@ -1,6 +1,8 @@
 """The tool ``isthmus:aggregate``."""
 
+import contextlib
 import re
+from pathlib import Path
 
 from qgis.core import (
     NULL,
@@ -12,19 +14,24 @@ from qgis.core import (
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
     QgsProcessingParameterField,
+    QgsProcessingParameterFileDestination,
     QgsProcessingParameterNumber,
     QgsProcessingParameterString,
     QgsProcessingUtils,
     QgsWkbTypes,
 )
 
-from . import areas as layer
-from ..layers import wkb
-from .tables import distances, thresholds
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted
+from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import install_hint
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from . import areas as layer
+from . import report
+from .presets import PRESETS
+from .tables import distances, thresholds
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -41,19 +48,24 @@ one of its areas. Among all ways to do so the tool looks for one of least cost.<
 region are merged again.</p>
 <h3>Methods</h3>
 <p><i>greedy</i>: the smallest area joins the neighbour that costs least; quick.<br/>
-<i>annealing</i>: starts there and improves it, for a number of steps or seconds. The same seed and
-number of steps give the same result.<br/>
+<i>annealing</i>: starts there and improves it, for a number of steps or seconds, then is heated again
+several times, of which the best is kept place by place. The same seed and number of steps give the
+same result.<br/>
 <i>exact</i>: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that
-certifies how good the result is. Between areas that are large enough by themselves, a dozen small
-ones take seconds, and twenty may take minutes.</p>
+certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that
+of a short annealing, with a bound.</p>
 <h3>Cost</h3>
 <p>The sum of three parts, each with a weight:<br/>
 <i>class change</i>: size in square metres times the distance of the two classes;<br/>
 <i>boundary length</i>: metres between regions, or only between regions of different class;<br/>
-<i>centre distance</i>: size times the distance in metres from the centroid of an area to that of
-its region's core, the area that gives the region its class.</p>
-<p>The weights given are good for 40 hectares (1:250,000); for another minimum size multiply that of the
-boundary length by the square root of the ratio, and divide that of the centre distance by it.</p>
+<i>centre distance</i>: size times the root mean square distance, in metres, of the points of an area
+from the centroid of its region's core, the area that gives the region its class. Haunert and Wolff
+measure from centroid to centroid; then the cost would depend on how an area is cut in pieces.</p>
+<p>Three sets of weights have names: <i>balanced</i>; <i>keep classes</i>, with a quarter of its weights for
+boundary and centre; <i>compact</i>, with twice its weight for boundary and four times that for centre.
+A weight that is given wins. They are good for 40 hectares (1:250,000); for another minimum size
+multiply that of the boundary length by the square root of the ratio, and divide that of the centre
+distance by it.</p>
 <p><i>Beware:</i> with a free number of regions and boundaries between <i>all</i> regions, neighbours of
 one class are merged for their boundary alone. Choose boundaries between <i>classes</i>, raise the
 weight of the centre distance, or fix the number of regions, if you do not want that.</p>
@@ -77,6 +89,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
     EXCLUDED = "EXCLUDED"
     DISTANCE = "DISTANCE"
     DISTANCES = "DISTANCES"
+    WEIGHTS = "WEIGHTS"
     WEIGHT_CHANGE = "WEIGHT_CHANGE"
     WEIGHT_BOUNDARY = "WEIGHT_BOUNDARY"
     BOUNDARY = "BOUNDARY"
@@ -90,6 +103,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
     DECOMPOSE = "DECOMPOSE"
     OUTPUT = "OUTPUT"
     ASSIGNMENT = "ASSIGNMENT"
+    REPORT = "REPORT"
     TOTAL_COST = "TOTAL_COST"
     CHANGE_COST = "CHANGE_COST"
     BOUNDARY_COST = "BOUNDARY_COST"
@@ -98,6 +112,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
     CHANGED_SHARE = "CHANGED_SHARE"
     TOO_SMALL_COUNT = "TOO_SMALL_COUNT"
     SKIPPED_COUNT = "SKIPPED_COUNT"
+    LOST_COUNT = "LOST_COUNT"
     LOWER_BOUND = "LOWER_BOUND"
 
     def name(self):
@@ -177,22 +192,29 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             "used for both.",
         )
         add(
-            amount(self.WEIGHT_CHANGE, "Weight of class change", 1.0),
-            "For each square metre times class distance.",
+            choice(self.WEIGHTS, "Weights", PRESETS, "balanced"),
+            "keep classes: as little as possible changes its class. compact: short boundaries, and areas "
+            "near their region's core. balanced: between both.",
+        )
+        add(
+            amount(self.WEIGHT_CHANGE, "Weight of class change", None, optional=True),
+            "For each square metre times class distance. Not set: 1, as all named weights have it.",
             advanced=True,
         )
         add(
-            amount(self.WEIGHT_BOUNDARY, "Weight of boundary length", 45.0),
-            "For each metre of boundary.",
+            amount(self.WEIGHT_BOUNDARY, "Weight of boundary length", None, optional=True),
+            "For each metre of boundary. Not set: 45 (balanced), 11.25 (keep classes), 90 (compact).",
             advanced=True,
         )
         add(
             choice(self.BOUNDARY, "Boundaries that count: of regions or of classes", BOUNDARIES, "regions"),
             "regions: between all regions. classes: only between regions of different class.",
+            advanced=True,
         )
         add(
-            amount(self.WEIGHT_CENTRE, "Weight of centre distance", 0.0001),
-            "For each square metre times metre.",
+            amount(self.WEIGHT_CENTRE, "Weight of centre distance", None, optional=True),
+            "For each square metre times metre. Not set: 0.00014 (balanced), 0.000035 (keep classes), "
+            "0.00056 (compact).",
             advanced=True,
         )
         add(
@@ -222,7 +244,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         )
         add(
             QgsProcessingParameterField(
-                self.AREA_ID, "Field with the area of a piece", parentLayerParameterName=self.INPUT, optional=True
+                self.AREA_ID, "Field with the area of a piece",
+                parentLayerParameterName=self.INPUT, optional=True,
             ),
             "The field that is equal for the pieces of one area. Default: area_id, if there are "
             "fields area_id and piece.",
@@ -254,6 +277,13 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             ),
             "The areas with all fields, region, new_class, changed (1 or 0) and status.",
         )
+        add(
+            QgsProcessingParameterFileDestination(
+                self.REPORT, "Report", "HTML files (*.html)", optional=True, createByDefault=False
+            ),
+            "A page with the cost by part, the classes before and after, and the areas above half of "
+            "the minimum size that lost their class.",
+        )
         self.add_numbers(
             (
                 (self.TOTAL_COST, "Total cost"),
@@ -264,6 +294,7 @@ class AggregateAlgorithm(IsthmusAlgorithm):
                 (self.CHANGED_SHARE, "Share of the area whose class changed"),
                 (self.TOO_SMALL_COUNT, "Number of regions that are too small"),
                 (self.SKIPPED_COUNT, "Number of areas without geometry or class"),
+                (self.LOST_COUNT, "Number of areas above half of the minimum size that lost their class"),
                 (self.LOWER_BOUND, "Lower bound of the total cost (exact)"),
             )
         )
@@ -278,8 +309,9 @@ class AggregateAlgorithm(IsthmusAlgorithm):
             parameters.get(self.DISTANCES)
         ):
             return "A table of class distances (DISTANCES) is needed, or another way to measure them."
+        weights = (self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE)
         for name in (
-            self.THRESHOLD, self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE,
+            self.THRESHOLD, *(one for one in weights if parameters.get(one) is not None),
             self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
         ):
             problem = self.number_problem(parameters, context, name, 0.0)
@@ -303,6 +335,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
         with Sinks(self, parameters, context, feedback) as sinks:
             results = run.write(found, sinks)
         results.update(sinks.destinations)
+        style_on_load(context, sinks.destinations.get(self.OUTPUT), "regions.qml")
+        run.report(found, results)
         cost = costs(run.problem, found)
         size = float(np.sum(run.areas.size))
         results.update({
@@ -389,6 +423,15 @@ class _Run:
     def choice(self, name):
         return self.tool.parameterAsString(self.parameters, name, self.context)
 
+    def weights(self):
+        """The weights of the three costs: what is given, else that of the named set."""
+        tool = self.tool
+        names = (tool.WEIGHT_CHANGE, tool.WEIGHT_BOUNDARY, tool.WEIGHT_CENTRE)
+        return [
+            value if self.parameters.get(name) is None else self.number(name)
+            for name, value in zip(names, PRESETS[self.choice(tool.WEIGHTS)])
+        ]
+
     def field(self, name, needed=True):
         """Index of a field that a parameter names; -1 where it names none."""
         wanted = self.tool.parameterAsString(self.parameters, name, self.context)
@@ -408,9 +451,9 @@ class _Run:
 
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
-        self.steps = Steps(self.source, feedback)
+        self.reader = Reader(self.source, feedback)
         feedback.setProgressText("Reading the areas")
-        areas = self.areas = layer.read(self.steps, crs)
+        areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
         pairs, length = layer.neighbours(areas)
         texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
@@ -447,9 +490,7 @@ class _Run:
         self.classes = classes
         self.problem = build(
             areas.size, cls, areas.place, pairs[~alone], length[~alone], padded,
-            np.append(theta, np.inf), self.number(tool.WEIGHT_CHANGE),
-            self.number(tool.WEIGHT_BOUNDARY), self.number(tool.WEIGHT_CENTRE),
-            self.choice(tool.BOUNDARY) == "classes",
+            np.append(theta, np.inf), *self.weights(), self.choice(tool.BOUNDARY) == "classes", areas.spread,
         )
         self._refuse_endless_costs()
 
@@ -522,7 +563,7 @@ class _Run:
             else:
                 decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
                 begin = annealing(
-                    problem, int(self.number(tool.SEED)), 1000 * len(problem.size), check=check
+                    problem, int(self.number(tool.SEED)), 3000 * len(problem.size), check=check
                 )
                 result = exact(problem, seconds or 60.0, decompose, begin, check)
                 found, bound = result.found, result.bound
@@ -560,70 +601,83 @@ class _Run:
         import numpy as np
 
         from ...core.aggregation.coverage import joined
-        from ...core.aggregation.instance import problems
+        from .outcome import outcome
 
-        tool, problem, areas = self.tool, self.problem, self.areas
-        count = len(found.core)
+        tool, areas = self.tool, self.areas
         shaped = np.zeros(len(areas.features), dtype=bool)
         shaped[areas.owner] = True
-        region_of = [int(r) if shaped[k] else -1 for k, r in enumerate(found.region.tolist())]
-        label = np.array(region_of, dtype=np.int64)
-        sources = self._sources()
-        faults = {}
-        for r, fault in problems(problem, found):
-            faults[r] = self.reason.get(int(found.core[r])) or (
-                "its class is excluded, and no other is possible here"
-                if fault == "excluded class" else fault
-            )
-        members = [[] for _ in range(count)]
-        for k, r in enumerate(region_of):
-            if r >= 0:
-                members[r].append(k)
-
-        # pieces of one area that end in one region are one again
-        groups = {}
-        for k, r in enumerate(region_of):
-            groups.setdefault((sources[k], r) if r >= 0 else (k, None), []).append(k)
-        merged = np.full(len(label), -1)
-        for number, group in enumerate(groups.values()):
-            if len(group) > 1:
-                merged[group] = number
+        self.sources = self._sources()
+        out = outcome(self.problem, found, shaped, self.sources, self.reason)
+        label = np.where(shaped, found.region, -1)
         shapes = joined(areas.coverage, label[areas.owner])
-        merged_shapes = joined(areas.coverage, merged[areas.owner])
+        merged_shapes = joined(areas.coverage, out.merged[areas.owner])
 
         # several polygons for one feature: of multipart areas, or where overlaps must be united
-        wkb_type = self.steps.wkb_type
-        united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(members))
-        united += len(set(merged[merged >= 0].tolist()) - set(merged_shapes))
+        wkb_type = self.reader.wkb_type
+        united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(out.members))
+        united += len(set(out.merged[out.merged >= 0].tolist()) - set(merged_shapes))
         if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
             wkb_type = QgsWkbTypes.multiType(wkb_type)
+        written = self._regions(found, out, shapes, wkb_type, sinks)
+        self._report_small(out.small, found, out.size, out.faults)
+        self._assignment(found, out, merged_shapes, wkb_type, sinks)
+        return {
+            tool.REGION_COUNT: written,
+            tool.TOO_SMALL_COUNT: len(out.small),
+            tool.SKIPPED_COUNT: len(self.reason),
+        }
+
+    def _regions(self, found, out, shapes, wkb_type, sinks):
+        """Write the regions; return their number."""
+        tool = self.tool
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
-        crs = self.source.sourceCrs()
-        own = _region_fields(self.class_field)
-        sinks.open(tool.OUTPUT, own, wkb_type, crs)
-        size = np.bincount(found.region, weights=problem.size, minlength=count)
+        sinks.open(tool.OUTPUT, _region_fields(self.class_field), wkb_type, self.source.sourceCrs())
         written = 0
-        for r, group in enumerate(members):
+        for r, group in enumerate(out.members):
             if not group:
                 continue
-            core = areas.features[int(found.core[r])]
+            core = self.areas.features[int(found.core[r])]
             geometry = self._shape(group, shapes.get(r), extra, multi)
             values = [
-                r + 1, core.attributes()[self.class_index], float(size[r]),
-                len({sources[k] for k in group}), core.id(), faults.get(r, ""),
+                r + 1, core.attributes()[self.class_index], float(out.size[r]),
+                len({self.sources[k] for k in group}), core.id(), out.faults.get(r, ""),
             ]
             sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
             written += 1
-        small = [
-            r for r in sorted(faults) if members[r] and int(found.core[r]) not in self.reason
+        return written
+
+    def report(self, found, results):
+        """Tell which areas lost their class, and write the report if one is wanted."""
+        from .outcome import balance
+
+        tool = self.tool
+        made = balance(self.problem, found, self.sources, self.classes)
+        lost, many = (sum(row[k] for row in made.lost) for k in (1, 2))
+        results[tool.LOST_COUNT] = lost
+        if many:
+            some = "; ".join(f"{name} {gone} of {of}" for name, gone, of in made.lost if gone)
+            self.feedback.pushInfo(
+                f"Of {counted(many, 'area')} above half of the minimum size, {lost} lost their class"
+                f"{': ' * bool(some)}{some}."
+            )
+        path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
+        if not path:
+            return
+        weights = [f"{weight:g}" for weight in self.weights()]
+        intro = [
+            f"{counted(len(self.problem.size), 'area')} in {counted(results[tool.REGION_COUNT], 'region')}, "
+            f"by {self.choice(tool.METHOD)}.",
+            f"Weights: class change {weights[0]}, boundary {weights[1]}, centre distance {weights[2]}.",
         ]
-        self._report_small(small, found, size, faults)
-        self._assignment(found, groups, merged_shapes, faults, wkb_type, crs, sinks)
-        return {
-            tool.REGION_COUNT: written,
-            tool.TOO_SMALL_COUNT: len(small),
-            tool.SKIPPED_COUNT: len(self.reason),
-        }
+        try:
+            Path(path).write_text(
+                report.page(f"Aggregation of {self.source.sourceName()}", intro, made), encoding="utf-8"
+            )
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                Path(path).unlink()
+            raise QgsProcessingException(f"The report could not be written: {error}") from error
+        results[tool.REPORT] = path
 
     def _sources(self):
         """What identifies the area of each feature: pieces of one area have the same."""
@@ -636,7 +690,7 @@ class _Run:
         """Geometry of the areas of a region; of a single one its own, as it is."""
         if len(group) == 1:
             geometry = layer.with_dimensions(
-                self.areas.features[group[0]].geometry(), self.steps.wkb_type
+                self.areas.features[group[0]].geometry(), self.reader.wkb_type
             )
             if multi:
                 geometry.convertToMultiType()
@@ -659,8 +713,8 @@ class _Run:
                 "No region reaches its minimum size: is the threshold larger than the map?"
             )
 
-    def _assignment(self, found, groups, shapes, faults, wkb_type, crs, sinks):
-        """Write the areas with their regions; ``groups`` has the pieces of each, by its region."""
+    def _assignment(self, found, out, shapes, wkb_type, sinks):
+        """Write the areas with their regions, the pieces of one area that ended in one as one."""
         tool, areas = self.tool, self.areas
         new_class = type(self.class_field)(self.class_field)
         new_class.setName("new_class")
@@ -669,10 +723,10 @@ class _Run:
         for one in make_fields(ASSIGNED_FIELDS[1:]):
             added.append(one)
         own = QgsProcessingUtils.combineFields(self.source.fields(), added)
-        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, crs, False):
+        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, self.source.sourceCrs(), False):
             return
         multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
-        for number, ((_, r), group) in enumerate(groups.items()):
+        for number, ((_, r), group) in enumerate(out.groups.items()):
             first = areas.features[group[0]]
             values = first.attributes()
             if len(group) > 1 and self.size_index >= 0:
@@ -684,7 +738,7 @@ class _Run:
                 core = int(found.core[r])
                 kept = areas.features[core].attributes()[self.class_index]
                 changed = int(self.problem.cls[core] != self.problem.cls[group[0]])
-                values += [r + 1, kept, changed, faults.get(r, "")]
+                values += [r + 1, kept, changed, out.faults.get(r, "")]
             if r is None:
                 geometry = first.geometry()
             else:

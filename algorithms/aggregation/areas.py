@@ -31,6 +31,8 @@ class Areas(NamedTuple):
         In square metres.
     place : (n,) complex
         Centroids, in metres.
+    spread : (n,) float
+        Mean squared distance of the points of an area from its centroid, in square metres.
     metre : float
         Metres in one unit of the measure.
     measure : core.metric.Metric
@@ -42,6 +44,7 @@ class Areas(NamedTuple):
     measured: object
     size: object
     place: object
+    spread: object
     metre: float
     measure: object
 
@@ -73,21 +76,21 @@ def metres_of(crs):
     )
 
 
-def read(steps, crs):
+def read(reader, crs):
     """Read the features of a layer.
 
     Parameters
     ----------
-    steps : base.Steps
+    reader : layers.source.Reader
     crs : QgsCoordinateReferenceSystem
 
     Returns
     -------
     Areas
     """
-    kept = list(steps)
+    kept = list(reader)
     rings, owner, _ = wkb.read_polygons(
-        with_dimensions(feature.geometry(), steps.wkb_type) for feature in kept
+        with_dimensions(feature.geometry(), reader.wkb_type) for feature in kept
     )
     return arrange(kept, rings, owner, crs)
 
@@ -96,7 +99,7 @@ def arrange(kept, rings, owner, crs):
     """Return `Areas` from features, and their rings with the area of each polygon."""
     import numpy as np
 
-    from ...core.aggregation.coverage import centroids, cover
+    from ...core.aggregation.coverage import centroids, cover, spreads
     from ...core.rings import groups, take
 
     # rings of fewer than three vertices bound nothing
@@ -129,12 +132,17 @@ def arrange(kept, rings, owner, crs):
     some = np.isfinite(low[:, 0])
     x[some] = np.clip(x[some], low[some, 0], high[some, 0])
     y[some] = np.clip(y[some], low[some, 1], high[some, 1])
+    around = xy - np.column_stack((x, y))[row_area]
     if crs.isGeographic() and n:
+        around = EARTH_RADIUS * np.radians(around)
+        around[:, 0] *= np.cos(np.radians(xy[:, 1]))
         middle = np.median(x)
         x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
         y = EARTH_RADIUS * np.radians(y)
+    spread = np.zeros(n)
+    spread[:owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
     return Areas(kept, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
-                 (x + 1j * y) * metre, metre, measure)
+                 (x + 1j * y) * metre, spread * metre**2, metre, measure)
 
 
 def neighbours(areas):

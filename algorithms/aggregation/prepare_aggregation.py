@@ -14,14 +14,16 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from . import areas as layer
 from ...core.progress import checker
+from ..base import counted
 from ..layers import wkb
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
-from ..partition.cutting import BY_LENGTH, BY_SIZE
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
 from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
+from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
@@ -44,15 +46,12 @@ GIScience 2016, section 5.2.</p>
 """
 
 
-class PrepareAggregationAlgorithm(IsthmusAlgorithm):
+class PrepareAggregationAlgorithm(PartitionTool):
     """Split the areas of a coverage at bottlenecks."""
 
     help_text = HELP
     CLASS = "CLASS"
     TAU = "TAU"
-    OBJECTIVE = "OBJECTIVE"
-    MIN_LENGTH = "MIN_LENGTH"
-    MIN_HOLE = "MIN_HOLE"
     OUTPUT = "OUTPUT"
     ADJACENCY = "ADJACENCY"
     AREA_COUNT = "AREA_COUNT"
@@ -110,33 +109,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
             ),
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
-        add(
-            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
-            QgsProcessingParameterNumber(
-                self.MIN_LENGTH,
-                "Ignore cuts below (layer units; metres if degrees)",
-                QgsProcessingParameterNumber.Type.Double,
-                defaultValue=0.0,
-                minValue=0.0,
-            ),
-            "Possible cuts that are shorter than this are left out, whatever the detour. A hole may "
-            "still be connected by a shorter cut. In the units of the layer, or in metres if its "
-            "coordinates are degrees.",
-            decimals=3,
-        )
-        add(
-            QgsProcessingParameterNumber(
-                self.MIN_HOLE,
-                "Ignore holes below (layer units²; m² if degrees)",
-                number.Double,
-                defaultValue=0.0,
-                minValue=0.0,
-                maxValue=LARGEST,
-            ),
-            "Holes with a smaller area stay holes of a piece, and no cut is attached to them. In the "
-            "squared units of the layer, or in square metres if its coordinates are degrees.",
-            decimals=3,
-        )
+        self.add_places(ANY, 0.0)
         add(
             QgsProcessingParameterFeatureSink(
                 self.OUTPUT, "Pieces", QgsProcessing.SourceType.TypeVectorPolygon
@@ -168,8 +141,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
     def parameter_problem(self, parameters, context):
         return (
             self.number_problem(parameters, context, self.TAU, 1.0)
-            or self.limit_problem(parameters, context, self.MIN_LENGTH)
-            or self.limit_problem(parameters, context, self.MIN_HOLE)
+            or self.objective_problem(parameters, context)
         )
 
     def processAlgorithm(self, parameters, context, feedback):
@@ -189,10 +161,10 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         from ...core.rings import Rings, offsets_of
 
         class_index = _class_index(self, parameters, context, source)
-        crs, steps = source.sourceCrs(), Steps(source, feedback)
-        multi = QgsWkbTypes.isMultiType(steps.wkb_type)
+        crs, reader = source.sourceCrs(), Reader(source, feedback)
+        multi = QgsWkbTypes.isMultiType(reader.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
-        sinks.open(self.OUTPUT, own, steps.wkb_type, crs)
+        sinks.open(self.OUTPUT, own, reader.wkb_type, crs)
         with_table = sinks.open(
             self.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
             QgsCoordinateReferenceSystem(), False,
@@ -201,21 +173,21 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
         settings = Settings(
             measure=measure_of(crs),
-            min_length=self.parameterAsDouble(parameters, self.MIN_LENGTH, context),
-            min_hole=self.parameterAsDouble(parameters, self.MIN_HOLE, context),
+            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
+            floors=self.floors(parameters, context, source),
             lines=None,
             weigh=weigh_by_length if objective == BY_LENGTH else None,
             all_dilations=False,
         )
 
-        check = checker(steps.progress, feedback.isCanceled)
+        check = checker(reader.progress, feedback.isCanceled)
         kept, cut, classless = [], [], 0  # areas, and their pieces chunk by chunk
         try:
-            for features in steps.chunks():
+            for features in reader.chunks():
                 for feature in features:
                     classless += layer.text(feature.attributes()[class_index]) is None
                     feature.setGeometry(
-                        layer.with_dimensions(feature.geometry(), steps.wkb_type)
+                        layer.with_dimensions(feature.geometry(), reader.wkb_type)
                     )
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, check)
@@ -255,7 +227,7 @@ class PrepareAggregationAlgorithm(IsthmusAlgorithm):
         found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
-            [wkb.dimensions(steps.wkb_type)] * len(area), multi,
+            [wkb.dimensions(reader.wkb_type)] * len(area), multi,
         )
         for k, (number, reason, size, geometry) in enumerate(
             zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)

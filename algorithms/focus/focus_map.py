@@ -33,8 +33,10 @@ from qgis.core import (
 
 from ..layers import wkb
 from ..aggregation.areas import FARTHEST
-from ..base import IsthmusAlgorithm, WITHOUT_VALIDITY_CHECK, style_on_load
+from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem, install_hint
+from ..layers.source import WITHOUT_VALIDITY_CHECK
+from ..layers.styles import style_on_load
 from ..layers.wkb import REAL, TEXT
 from ..layers.sinks import Sinks, make_fields
 

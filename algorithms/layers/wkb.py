@@ -40,8 +40,7 @@ def read_polygons(geometries):
 
     from ...core.rings import Rings, offsets_of, take
 
-    owner, extra, runs, places = [], [], [], []
-    ring_counts, wkbs = [], []
+    owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
         abstract = None if geometry.isNull() or geometry.isEmpty() else geometry.constGet()
         if abstract is not None and QgsWkbTypes.isCurvedType(abstract.wkbType()):

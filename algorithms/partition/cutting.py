@@ -1,6 +1,7 @@
 """What the tools that cut polygons share: parameters, settings, and the writing of results."""
 
 import math
+import sys
 
 from qgis.core import (
     NULL,
@@ -20,12 +21,14 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from ..layers import wkb
-from ..base import LARGEST, IsthmusAlgorithm, Steps, counted, style_on_load
+from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import slow_engine_note
-from .candidate_lines import CandidateLines
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from .candidate_lines import CandidateLines
 from .solving import (
     Settings,
     by_feature,
@@ -39,13 +42,17 @@ from .solving import (
 )
 
 BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
+NATURAL, ANY = PLACES = ("Natural", "Any")
 ROLES = ("SELF", "LEAF", "ROOT")
+SMALLEST = 1.0  # default of the smallest part, per cent: see docs/choosing_tau.md
 PART_FIELDS = (
-    ("part", INTEGER), ("parts", INTEGER), ("status", TEXT), ("cost", REAL), ("gap", REAL)
-)
+    ("part", INTEGER), ("parts", INTEGER), ("status", TEXT), ("cost", REAL), ("gap", REAL),
+    ("source", LONG),
+)  # fmt: skip
 CUT_FIELDS = (
-    ("source", LONG), ("length", REAL), ("detour", REAL), ("part_a", INTEGER), ("part_b", INTEGER)
-)
+    ("source", LONG), ("length", REAL), ("detour", REAL), ("part_a", INTEGER), ("part_b", INTEGER),
+    ("share", REAL),
+)  # fmt: skip
 DIAGONAL_FIELDS = (
     ("source", LONG), ("length", REAL), ("detour", REAL), ("dilation", REAL), ("role", TEXT)
 )
@@ -56,6 +63,8 @@ class PartitionTool(IsthmusAlgorithm):
 
     OBJECTIVE = "OBJECTIVE"
     WEIGHT = "WEIGHT"
+    PLACES = "PLACES"
+    SMALLEST_PART = "SMALLEST_PART"
     MIN_LENGTH = "MIN_LENGTH"
     MIN_HOLE = "MIN_HOLE"
     CANDIDATES = "CANDIDATES"
@@ -69,18 +78,20 @@ class PartitionTool(IsthmusAlgorithm):
             "The polygons to cut.",
         )
 
-    def add_dynamic(self, name, label, default, least, help_text):
+    def add_dynamic(
+        self, name, label, default, least, help_text, most=LARGEST, decimals=2, optional=False
+    ):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
-            name, label, QgsProcessingParameterNumber.Type.Double, default,
-            minValue=least, maxValue=LARGEST,
+            name, label, QgsProcessingParameterNumber.Type.Double, default, optional,
+            minValue=least, maxValue=most,
         )  # fmt: skip
         parameter.setIsDynamic(True)
         kind = QgsPropertyDefinition.DataType.DataTypeNumeric
         expected = f"number [≥ {least:g}]"
         parameter.setDynamicPropertyDefinition(QgsPropertyDefinition(name, kind, label, expected))
         parameter.setDynamicLayerParameterName(self.INPUT)
-        self.add(parameter, help_text, decimals=2)
+        self.add(parameter, help_text, decimals=decimals)
 
     def add_objective(self):
         self.add(
@@ -107,34 +118,59 @@ class PartitionTool(IsthmusAlgorithm):
             advanced=True,
         )
 
-    def add_candidates(self):
+    def add_places(self, places=NATURAL, smallest=SMALLEST):
+        """Add the parameters that say where a cut may lie."""
         self.add(
-            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
-            QgsProcessingParameterNumber(
-                self.MIN_LENGTH,
-                "Ignore cuts below (layer units; metres if degrees)",
-                QgsProcessingParameterNumber.Type.Double,
-                defaultValue=0.0,
-                minValue=0.0,
+            QgsProcessingParameterEnum(
+                self.PLACES,
+                "Where a cut may lie",
+                list(PLACES),
+                defaultValue=places,
+                usesStaticStrings=True,
+                optional=True,  # models of before do not give it
             ),
+            "Natural: only where people see parts meet, at places where the outline is concave and the "
+            "polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, "
+            "as in the paper.",
+        )
+        self.add_dynamic(
+            self.SMALLEST_PART,
+            "Smallest part (per cent of the feature)",
+            smallest,
+            0.0,
+            "Smaller parts are not cut off, smaller holes attract no cuts, and the length of the outline "
+            "is measured without the detail that is much smaller. 0: everything counts. A field or "
+            "expression can set it for each feature.",
+            most=100.0,
+            decimals=3,
+            optional=True,  # models of before do not give it
+        )
+        self.add_dynamic(
+            # no QgsProcessingParameterDistance: it would name degrees as the unit of layers in degrees
+            self.MIN_LENGTH,
+            "Ignore cuts below (layer units; metres if degrees)",
+            0.0,
+            0.0,
             "Possible cuts that are shorter than this are left out, whatever the detour: those of "
             "creeks and inlets you do not care for. A hole may still be connected by a shorter cut. "
-            "In the units of the layer, or in metres if its coordinates are degrees.",
+            "In the units of the layer, or in metres if its coordinates are degrees. A field or "
+            "expression can set it for each feature.",
+            most=sys.float_info.max,
             decimals=3,
         )
-        self.add(
-            QgsProcessingParameterNumber(
-                self.MIN_HOLE,
-                "Ignore holes below (layer units²; m² if degrees)",
-                QgsProcessingParameterNumber.Type.Double,
-                defaultValue=0.0,
-                minValue=0.0,
-                maxValue=LARGEST,
-            ),
+        self.add_dynamic(
+            self.MIN_HOLE,
+            "Ignore holes below (layer units²; m² if degrees)",
+            0.0,
+            0.0,
             "Holes with a smaller area stay holes of a part, and no cut is attached to them. In the "
-            "squared units of the layer, or in square metres if its coordinates are degrees.",
+            "squared units of the layer, or in square metres if its coordinates are degrees. A field or "
+            "expression can set it for each feature.",
             decimals=3,
         )
+
+    def add_candidates(self):
+        self.add_places()
         self.add(
             QgsProcessingParameterFeatureSource(
                 self.CANDIDATES,
@@ -143,8 +179,8 @@ class PartitionTool(IsthmusAlgorithm):
                 optional=True,
             ),
             "Your own lines, instead of the diagonals of a triangulation: straight lines between two "
-            "vertices of a polygon that stay inside it. A line that is none is reported with its "
-            "id; where two cross, the shorter one is used.",
+            "vertices of a polygon that stay inside it, wherever they lie. A line that is none is "
+            "reported with its id; where two cross, the shorter one is used.",
             advanced=True,
         )
 
@@ -167,8 +203,10 @@ class PartitionTool(IsthmusAlgorithm):
 
     def objective_problem(self, parameters, context):
         """Return a sentence about a shared parameter that cannot be used, or ''."""
-        for name in (self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
-            if self.parameterDefinition(name) is None:
+        for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
+            if self.parameterDefinition(name) is None or QgsProcessingParameters.isDynamic(
+                parameters, name
+            ):
                 continue
             problem = self.limit_problem(parameters, context, name)
             if problem:
@@ -208,12 +246,19 @@ class PartitionTool(IsthmusAlgorithm):
             )
         return Settings(
             measure=measure_of(crs),
-            min_length=self.parameterAsDouble(parameters, self.MIN_LENGTH, context),
-            min_hole=self.parameterAsDouble(parameters, self.MIN_HOLE, context),
+            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
+            floors=self.floors(parameters, context, source),
             lines=lines,
             weigh=weigh,
             all_dilations=all_dilations,
         )
+
+    def floors(self, parameters, context, source):
+        """Return the functions that say what is too small to count in a feature, by name."""
+        return {
+            name: self.dynamic(parameters, name, context, source)
+            for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE)
+        }
 
     def dynamic(self, parameters, name, context, source):
         """Return the function that gives a data-defined number for a feature, NaN where none."""
@@ -258,16 +303,17 @@ class CuttingTool(PartitionTool):
                 self.OUTPUT, "Parts", QgsProcessing.SourceType.TypeVectorPolygon
             ),
             "All fields of the polygons, and part (1 for the largest of a feature), parts (their "
-            "number), status (empty, or why a polygon was not cut), and cost and gap of the "
-            f"solution of the feature (gap in per cent){more}.",
+            "number), status (empty, or why a polygon was not cut), cost and gap of the "
+            f"solution of the feature (gap in per cent), and source (the id of the feature){more}.",
         )
         self.add(
             QgsProcessingParameterFeatureSink(
                 self.CUTS, "Cuts", QgsProcessing.SourceType.TypeVectorLine, optional=True
             ),
             "The cuts, with the id of their polygon (source), length, detour (how many times longer "
-            "the way along the outline was; empty if only a cut connects the ends), and the parts "
-            "on both sides (part_a, part_b; equal where a cut only connects a hole).",
+            "the way along the outline was; empty if only a cut connects the ends), the parts "
+            "on both sides (part_a, part_b; equal where a cut only connects a hole), and share (the "
+            "smaller side as per cent of the feature's area; empty where that was not measured).",
         )
         self.add(
             QgsProcessingParameterFeatureSink(
@@ -294,16 +340,16 @@ class CuttingTool(PartitionTool):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
-        steps = Steps(source, feedback)
+        reader = Reader(source, feedback)
         with Sinks(self, parameters, context, feedback) as sinks:
-            writer = _Writer(self, source, steps.wkb_type, sinks)
+            writer = _Writer(self, source, reader.wkb_type, sinks)
             settings = self.settings(
                 parameters, context, source, feedback, all_dilations=writer.with_diagonals
             )
             choose = self.chooser(parameters, context, source, feedback)
-            check = checker(steps.progress, feedback.isCanceled)
+            check = checker(reader.progress, feedback.isCanceled)
             try:
-                for features in steps.chunks():
+                for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
                         selection = choose(problem, stretch(check, 0.5, 0.7))
@@ -360,6 +406,7 @@ class _Writer:
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
+        self.small, self.holes, self.rules = 0, 0, [0] * 5
 
     def write(self, problem, solution, feedback, check):
         """Write the solution of a chunk, and tell what of it could not be solved."""
@@ -378,6 +425,14 @@ class _Writer:
                 self.numbers[tool.MAX_DILATION],
                 float(np.max(solution.largest_dilation[solved], initial=1.0)),
             )
+        per_feature = np.diff(found.feature_offsets)
+        of = np.repeat(np.arange(len(chunk.features)), per_feature)
+        total = np.bincount(of, weights=found.area, minlength=len(chunk.features))
+        share = found.area < 0.01 * total[of]
+        self.small += int((share & (per_feature[of] > 1)).sum())
+        prepared = problem.prepared
+        self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
+        self.holes += int((~prepared.wanted[prepared.component]).sum())
         own = solved[solution.owner]  # edges of polygons that are solved
         selected = own & (solution.role == 0)
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
@@ -396,7 +451,7 @@ class _Writer:
         verdicts = problem.verdict[found.polygon].tolist()
         bounds = found.feature_offsets.tolist()
         values = zip(cost.tolist(), gap.tolist(), tool.extra_values(problem, solution))
-        nothing = [NULL] * (2 + len(tool.extra_fields))
+        nothing = [NULL] * len(tool.extra_fields)
         for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
             check(f / len(chunk.features) if f % 8 == 0 else None)
             lo, hi = bounds[f], bounds[f + 1]
@@ -411,12 +466,12 @@ class _Writer:
             if not some[f]:  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
-                part = [1, 1, text, *nothing]
+                part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
                 self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
                 self.numbers[tool.PART_COUNT] += 1
                 continue
             for k in range(lo, hi):
-                part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, *more]
+                part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, feature.id(), *more]
                 self.sinks.add(tool.OUTPUT, next(geometries), attributes + part, origin)
             self.numbers[tool.PART_COUNT] += hi - lo
             for name, of, rows in lines:
@@ -432,10 +487,12 @@ class _Writer:
         chosen = np.flatnonzero(solution.role == 0)
         sides = np.sort(found.number[solution.parts.sides], axis=1)[selected[chosen]]
         chosen = chosen[selected[chosen]]
+        share = 100.0 * solution.share[chosen] * problem.shell_share[solution.owner[chosen]]
         values = (
-            [length, _or_null(detour), *parts]
-            for length, detour, parts in zip(
-                solution.length[chosen].tolist(), solution.detour[chosen].tolist(), sides.tolist()
+            [length, _or_null(detour), *parts, _or_null(part)]
+            for length, detour, parts, part in zip(
+                solution.length[chosen].tolist(), solution.detour[chosen].tolist(), sides.tolist(),
+                share.tolist(),
             )
         )
         return self._lines(self.tool.CUTS, problem, solution, chosen, values)
@@ -480,10 +537,34 @@ class _Writer:
             f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
+        report_rules(feedback, self.small, self.holes, self.rules)
         if skipped:
             feedback.pushInfo(
                 f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
             )
+
+
+def report_rules(feedback, small, holes, rules):
+    """Say what did not count, by which rule, and what to change if that is not wanted.
+
+    ``small`` parts came out, ``holes`` were set aside, and of the diagonals as many as ``rules`` has (the
+    sums of `Prepared.set_aside`).
+    """
+    text = (
+        f"{counted(small, 'part')} {'is' if small == 1 else 'are'} smaller than 1 per cent "
+        "of the feature."
+    )
+    if holes or sum(rules[1:]):
+        _, below, straight, even, used = rules
+        text += (
+            f" Set aside: {counted(holes, 'hole')} and {counted(below, 'diagonal')} with less on "
+            f"one side than SMALLEST_PART (or MIN_HOLE); {straight + even + used:,} where the outline "
+            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
+            "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
+        )
+    else:
+        text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
+    feedback.pushInfo(text)
 
 
 def _or_null(value):

@@ -65,7 +65,7 @@ class PartitionAlgorithm(CuttingTool):
         self.add_dynamic(
             self.TAU,
             "Largest detour (tau)",
-            4.0,
+            3.0,
             1.0,
             "How many times longer than the straight line across a neck the way along the outline may "
             "be; at least 1. Smaller values cut more. A field or expression can set it for each "

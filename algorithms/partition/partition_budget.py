@@ -2,8 +2,8 @@
 
 import math
 
-from .cutting import CuttingTool
 from ..layers.wkb import REAL
+from .cutting import CuttingTool
 
 # Seconds that each trial may take to prove MinLength and MinWeight for a polygon
 TIME_LIMIT = 60.0

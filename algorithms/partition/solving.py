@@ -23,7 +23,10 @@ class Settings(NamedTuple):
     Attributes
     ----------
     measure : core.metric.Metric
-    min_length, min_hole : float
+    natural : bool
+        Whether cuts may only lie where people would cut.
+    floors : dict
+        The functions that give SMALLEST_PART, MIN_LENGTH and MIN_HOLE for a feature.
     lines : CandidateLines or None
     weigh : callable or None
         ``(chunk, near, prepared)`` to the weights of the candidates, and {polygon of the chunk: why it has
@@ -33,8 +36,8 @@ class Settings(NamedTuple):
     """
 
     measure: object
-    min_length: float
-    min_hole: float
+    natural: bool
+    floors: dict
     lines: object
     weigh: Callable
     all_dilations: bool
@@ -73,12 +76,15 @@ class Problem(NamedTuple):
         Weights of the candidates; None for MinSize.
     verdict : (q,) object
         For each polygon of the chunk '', or why it is not solved.
+    shell_share : (p,) float
+        Area of the shell of each prepared polygon, as a share of its feature's area.
     """
 
     chunk: Chunk
     prepared: object
     weight: object
     verdict: object
+    shell_share: object
 
     @property
     def owner(self):
@@ -175,8 +181,13 @@ def prepare(chunk, settings, check=ignore):
     -------
     Problem
     """
+    import numpy as np
+
     from ...core.partition import solve as core
 
+    area, shell = _areas(chunk.rings, np.arange(len(chunk.owner)), chunk.measure)
+    feature_area = np.bincount(chunk.owner, weights=area, minlength=len(chunk.features))
+    floors, reasons = _floors(chunk, settings)
     near = None
     if settings.lines:
         bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()
@@ -186,8 +197,10 @@ def prepare(chunk, settings, check=ignore):
         ]
     prepared = core.prepare(
         chunk.rings,
-        min_length=settings.min_length,
-        min_hole=settings.min_hole,
+        natural=settings.natural,
+        smallest=floors["SMALLEST_PART"] / 100.0 * feature_area[chunk.owner],
+        min_length=floors["MIN_LENGTH"],
+        min_hole=floors["MIN_HOLE"],
         lines=None if near is None else [settings.lines.ends[own] for own in near],
         measure=chunk.measure,
         check=check,
@@ -199,10 +212,31 @@ def prepare(chunk, settings, check=ignore):
                 settings.lines.note(own, lines)
     weight = None
     if settings.weigh:
-        weight, reasons = settings.weigh(chunk, near, prepared)
-        for polygon, reason in reasons.items():
+        weight, more = settings.weigh(chunk, near, prepared)
+        for polygon, reason in more.items():
             verdict[polygon] = reason
-    return Problem(chunk, prepared, weight, verdict)
+    number = prepared.polygons.number
+    with np.errstate(invalid="ignore"):
+        shell_share = shell[number] / feature_area[chunk.owner[number]]
+    problem = Problem(chunk, prepared, weight, verdict, shell_share)
+    for feature, reason in reasons.items():
+        problem.refuse(feature, reason)
+    return problem
+
+
+def _floors(chunk, settings):
+    """For each polygon what is too small to count, by name; and {feature: why it has no such number}."""
+    import numpy as np
+
+    reasons, floors = {}, {}
+    for name, of in settings.floors.items():
+        most = 100.0 if name == "SMALLEST_PART" else math.inf
+        values = np.array([of(feature) for feature in chunk.features])
+        for f in np.flatnonzero(~((values >= 0.0) & (values <= most))).tolist():
+            reasons[f] = f"{name} must be a number from 0 on, and is {values[f]:g}"
+            values[f] = 0.0
+        floors[name] = values[chunk.owner]
+    return floors, reasons
 
 
 def by_feature(problem, values):
@@ -230,7 +264,7 @@ def pieces(problem, parts):
     """
     import numpy as np
 
-    from ...core.rings import groups, offsets_of, take
+    from ...core.rings import offsets_of, take
 
     rings, owner = problem.chunk.rings, problem.chunk.owner
     number = problem.prepared.polygons.number
@@ -242,7 +276,7 @@ def pieces(problem, parts):
     polygon = np.concatenate((part_polygon[solved], whole))
     piece = np.concatenate((solved, part_count + whole))
     area = np.concatenate((
-        parts.area[solved], _areas(rings, whole, problem.chunk.measure)
+        parts.area[solved], _areas(rings, whole, problem.chunk.measure)[0]
     ))
     order = np.lexsort((piece, polygon, -area, owner[polygon]))
     rank = np.empty(part_count, dtype=np.int64)
@@ -265,30 +299,31 @@ def pieces(problem, parts):
 
 
 def _areas(rings, which, measure):
-    """Areas of polygons that could not be solved, for their place among the parts; 0 where they have none."""
+    """Areas of some polygons, and of their shells; 0 where they have none."""
     import numpy as np
 
     from ...core.rings import signed_areas, take
 
-    area = np.zeros(len(which))
+    area, shell = np.zeros(len(which)), np.zeros(len(which))
     ring, polygon_offsets = take(rings.polygon_offsets, which)
     size = np.diff(rings.offsets)[ring]
     if not len(ring):
-        return area
+        return area, shell
     hollow = np.minimum.reduceat(size, polygon_offsets[:-1]) == 0
     if hollow.any():
-        area[~hollow] = _areas(rings, which[~hollow], measure)
-        return area
+        area[~hollow], shell[~hollow] = _areas(rings, which[~hollow], measure)
+        return area, shell
     row, offsets = take(rings.offsets, ring)
     with np.errstate(all="ignore"):
         own = np.abs(signed_areas(measure.equal_area(rings.coords[row, :2]), offsets))
-        first = own[polygon_offsets[:-1]]
-        return np.nan_to_num(first - (np.add.reduceat(own, polygon_offsets[:-1]) - first))
+        shell = own[polygon_offsets[:-1]]
+        area = np.nan_to_num(shell - (np.add.reduceat(own, polygon_offsets[:-1]) - shell))
+        return np.minimum(np.maximum(area, 0.0), 1e300), np.minimum(np.nan_to_num(shell), 1e300)
 
 
 def weigh_by_length(chunk, near, prepared):
     """Weights of MinLength."""
-    return prepared.length, {}
+    return prepared.chord, {}
 
 
 def weigh_by_expression(text, source, lines, context):
@@ -323,7 +358,7 @@ def weigh_by_expression(text, source, lines, context):
         weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)
         for k, (geometry, p, f, length, detour) in enumerate(
-            zip(geometries, polygon.tolist(), feature_of, prepared.length.tolist(),
+            zip(geometries, polygon.tolist(), feature_of, prepared.chord.tolist(),
                 prepared.detour.tolist())
         ):
             if p in reasons:

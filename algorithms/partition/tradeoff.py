@@ -20,12 +20,12 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from . import report
-from ..base import Steps
-from .cutting import BY_SIZE, PartitionTool
-from ..layers.wkb import INTEGER, LONG, REAL
-from .partition_budget import TIME_LIMIT
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.wkb import INTEGER, LONG, REAL
+from . import report
+from .cutting import BY_SIZE, PartitionTool
+from .partition_budget import TIME_LIMIT
 from .solving import prepare, read
 
 FIELDS = (
@@ -163,10 +163,10 @@ class TradeoffAlgorithm(PartitionTool):
 
         name_of = self._names(sinks.parameters, sinks.context)
         curves, count, skipped = [], 0, 0
-        steps = Steps(source, feedback)
-        check = checker(steps.progress, feedback.isCanceled)
+        reader = Reader(source, feedback)
+        check = checker(reader.progress, feedback.isCanceled)
         try:
-            for features in steps.chunks():
+            for features in reader.chunks():
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
                     found = _curves(problem, low, high, most, stretch(check, 0.3, 0.9))
@@ -268,7 +268,7 @@ def _curves(problem, low, high, most, check):
         mine = solved[prepared.owner[selection.selected]]
         cuts = np.bincount(of_cut[mine], minlength=count)
         length = np.bincount(
-            of_cut[mine], weights=prepared.length[selection.selected[mine]], minlength=count
+            of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count
         )
         part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
         mine = solved[part_polygon]

@@ -14,7 +14,7 @@ import shapely
 
 from ..rings import signed_areas
 
-__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared"]
+__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads"]
 
 
 class Coverage(NamedTuple):
@@ -292,6 +292,46 @@ def centroids(coverage, plane, count):
         return np.bincount(coverage.ring_polygon, weights=sign * values, minlength=count)
 
     return total(area), np.column_stack((total(moment[:, 0]), total(moment[:, 1])))
+
+
+def spreads(coverage, plane, owner):
+    """Return the mean squared distance of the points of each area from the origin, exactly.
+
+    Parameters
+    ----------
+    plane : (k, 2) float
+        The rows, those of each area from its own centroid.
+    owner : (q,) int
+        The area of each polygon.
+
+    Returns
+    -------
+    (n,) float
+        Up to the last area that ``owner`` names. 0 for areas without size; of an area that crosses
+        itself, whose parts cancel out, no more than its farthest row.
+    """
+    offsets, owner = coverage.offsets, np.asarray(owner, dtype=np.int64)
+    count = int(owner.max(initial=-1)) + 1
+    if len(offsets) < 2 or not len(plane):
+        return np.zeros(count)
+    following = np.arange(1, len(plane) + 1)
+    following[offsets[1:] - 1] = offsets[:-1]
+    x, y = plane.T
+    u, v = plane[following].T
+    cross = x * v - u * y
+    area = np.add.reduceat(cross, offsets[:-1]) / 2.0
+    second = np.add.reduceat(
+        (x * x + x * u + u * u + y * y + y * v + v * v) * cross, offsets[:-1]
+    ) / 12.0
+    first = np.append(True, coverage.ring_polygon[1:] != coverage.ring_polygon[:-1])
+    sign = np.where((area > 0) == first, 1.0, -1.0)
+    ring_area = owner[coverage.ring_polygon]
+    area = np.bincount(ring_area, weights=sign * area, minlength=count)
+    second = np.bincount(ring_area, weights=sign * second, minlength=count)
+    most = np.zeros(count)
+    np.maximum.at(most, np.repeat(ring_area, np.diff(offsets)), x * x + y * y)
+    mean = np.divide(second, area, out=np.zeros(count), where=area > 0.0)
+    return np.clip(mean, 0.0, most)
 
 
 def faults(coverage):

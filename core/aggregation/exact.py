@@ -1,8 +1,15 @@
 """The mixed-integer programme of Haunert and Wolff, solved by HiGHS, with contiguity cuts.
 
-``x[u, v]`` is 1 where area v belongs to the region with core u. Contiguity is not in the model at
-first: where a solution violates it, cuts ``x[u, v] <= sum of x[u, s] over a separator`` are added and
-the programme is solved again (Oehrlein and Haunert 2017). The bound of every round holds.
+``x[v, u]`` is 1 where area v belongs to the region with core u. A boundary costs where two
+neighbours differ: ``d >= x[v, u] - x[w, u]``, in one direction only, as both sum up to 1. Contiguity is
+cuts ``x[v, u] <= sum of x[s, u] over a separator of u and v`` (Oehrlein and Haunert 2017), added
+where a solution violates them.
+
+The relaxation comes first, by column generation: most pairs of an area and a far core are left out,
+and come in where the dual prices ask for them. Contiguity cuts are separated in the relaxation.
+Its bound, and a good solution to start from, tell which pairs are in no better solution; what is
+left is solved in integers. Every bound holds: pairs that are left out with a negative reduced
+cost are charged to it (each area has one core only, and there is not room for many cores).
 """
 
 from __future__ import annotations
@@ -13,14 +20,29 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import MissingEngine
+from .annealing import annealing
 from .greedy import greedy, helpless
 from .instance import (
-    Solution, build, components, connected_parts, costs, enough, problems, shares, solution,
+    Solution,
+    build,
+    components,
+    connected_parts,
+    costs,
+    each_share,
+    enough,
+    problems,
+    shares,
+    solution,
 )
 
 __all__ = ["Exact", "exact", "require_highs"]
 
-LARGEST_PROGRAMME = 20_000  # pairs of an area and a core; a part with more is left to greedy
+LARGEST_PROGRAMME = 100_000  # pairs of an area and a core; a part with more gets no bound
+ALL_PAIRS = 1_500  # so many pairs are in the relaxation from the beginning
+NEAREST, BALL = 16, 48  # otherwise: the cheapest cores of an area, and the areas around a core
+MORE = 12  # pairs an area that come in at once
+LARGEST_INTEGER = 6_000  # pairs left that are worth a programme in integers
+LEVELS = (1e-6, 0.1, 0.25, 0.5, 0.75)  # where the support of a fractional solution is looked at
 
 
 class Exact(NamedTuple):
@@ -35,7 +57,7 @@ class Exact(NamedTuple):
     proven : bool
         Whether ``found`` is the best one.
     rounds, parts : int
-        How many programmes were solved, and for how many independent parts.
+        How many programmes were solved, relaxed ones included, and for how many independent parts.
     """
 
     found: Solution
@@ -46,7 +68,7 @@ class Exact(NamedTuple):
 
 
 def require_highs():
-    """Return scipy's ``milp`` and ``sparse``.
+    """Return scipy's ``linprog``, ``milp``, ``LinearConstraint`` and ``sparse``.
 
     Raises
     ------
@@ -55,12 +77,12 @@ def require_highs():
     """
     try:
         from scipy import sparse
-        from scipy.optimize import LinearConstraint, milp
+        from scipy.optimize import LinearConstraint, linprog, milp
     except ImportError:
         raise MissingEngine(
             "the exact method needs the solver HiGHS from the Python package scipy, 1.9 or newer"
         ) from None
-    return milp, LinearConstraint, sparse
+    return linprog, milp, LinearConstraint, sparse
 
 
 def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
@@ -75,7 +97,8 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
         Whether an area that is large enough by itself is always the core of a region: the map
         then falls into parts that are solved one by one.
     begin : Solution, optional
-        Returned where the time is over and nothing better was found. Default: greedy.
+        A good one makes the proof short; it is returned where the time is over and nothing better was
+        found. Default: annealed, 1,000 steps an area.
     check : callable, optional
         Called now and then with the share done; may raise to stop.
 
@@ -89,11 +112,14 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
 
     Notes
     -----
-    Exponential. A dozen areas a part take seconds, twenty take minutes.
+    Exponential. Thirty areas a part take seconds; with some hundred the bound is within a few percent
+    after a minute.
     """
     tools = require_highs()
     check = check or (lambda share: None)
     until = perf_counter() + seconds
+    if begin is None:
+        begin = annealing(problem, iterations=1000 * len(problem.size))
     n = len(problem.size)
     lost = helpless(problem)
     own = problem.theta[problem.cls]
@@ -113,19 +139,18 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
     for k, group in enumerate(sorted(groups, key=len)):
         check(k / len(groups))
         left = max(0.1, (until - perf_counter()) / (len(groups) - k))
-        part = _Part(problem, group, big, tools)
-        best, at_least, solved, tried = part.solve(left, check)
+        part = _Part(problem, group, big, begin, tools)
+        best, at_least, solved, tried = part.solve(perf_counter() + left, check)
         core_of[group] = best
         bound += at_least
         proven &= solved
         rounds += tried
     found = _numbered(problem, core_of)
-    bound += _constant(problem, big | lost, core_of, lost)
+    bound += _constant(problem, big, core_of, lost)
     if not proven or problems_of(problem, found, lost):
-        other = begin or greedy(problem)
-        cheaper = costs(problem, other).total < costs(problem, found).total
+        cheaper = costs(problem, begin).total < costs(problem, found).total
         if cheaper or problems_of(problem, found, lost):
-            found = other
+            found = begin
     return Exact(found, bound, proven, rounds, len(groups))
 
 
@@ -146,9 +171,10 @@ def _numbered(problem, core_of):
     return mine if worse else other
 
 
-def _constant(problem, fixed, core_of, lost):
+def _constant(problem, big, core_of, lost):
     """Cost that no choice changes: of areas fixed beforehand, and between them."""
-    total = 0.0
+    fixed, own = big | lost, np.flatnonzero(big)
+    total = float(each_share(problem, own, own).sum())
     if lost.any():
         for u in np.unique(core_of[lost]):
             members = np.flatnonzero((core_of == u) & lost)
@@ -161,226 +187,420 @@ def _constant(problem, fixed, core_of, lost):
 
 
 class _Part:
-    """The programme of one part: free areas, and the large ones around them that are cores."""
+    """The programme of one part: free areas, and the large ones around them that are cores.
 
-    def __init__(self, problem, group, big, tools):
+    Areas and cores have numbers of their own here: ``areas[i]``, ``cores[j]``, and core j is the area
+    ``own[j]``. ``fixed`` areas belong to themselves.
+    """
+
+    def __init__(self, problem, group, big, begin, tools):
         self.problem, self.tools = problem, tools
-        self.free = group.tolist()
-        around = {
-            v: slice(problem.start[v], problem.start[v + 1]) for v in self.free
-        }
-        self.fixed = sorted({
-            u for v in self.free for u in problem.neighbour[around[v]].tolist() if big[u]
-        })
-        self.areas = self.free + self.fixed
-        total = problem.size[group].sum()
-        theta = problem.theta[problem.cls]
-        self.cores = [u for u in self.free if enough(total, theta[u])] + self.fixed
-        self.edges = [
-            (v, u, length)
-            for v in self.free
-            for u, length in zip(
-                problem.neighbour[around[v]].tolist(), problem.length[around[v]].tolist()
-            )
-            if big[u] or v < u
-        ]
-        self.adjacent = {v: [] for v in self.areas}
-        for v, u, _ in self.edges:
-            self.adjacent[v].append(u)
-            self.adjacent[u].append(v)
-        self.too_large = len(self.free) * len(self.cores) > LARGEST_PROGRAMME
-        self.rows, self.columns, self.values, self.low = [], [], [], []
-        self.upper = []
-        if not self.too_large:
-            self._build()
+        degree = np.diff(problem.start)[group]
+        slot = np.arange(degree.sum()) + np.repeat(
+            problem.start[group] - np.cumsum(degree) + degree, degree
+        )
+        tail, head = np.repeat(group, degree), problem.neighbour[slot]
+        around = np.unique(head[big[head]])
+        self.areas = np.concatenate((group, around))
+        self.free = len(group)
+        n = len(self.areas)
+        number = np.full(len(problem.size), -1)
+        number[self.areas] = np.arange(n)
+        once = big[head] | (tail < head)
+        self.a, self.b = number[tail[once]], number[head[once]]
+        self.price = problem.boundary * problem.length[slot[once]]
+        self.adjacent = [[] for _ in range(n)]
+        for v, w in zip(self.a.tolist(), self.b.tolist()):
+            self.adjacent[v].append(w)
+            self.adjacent[w].append(v)
+        self.size = problem.size[self.areas]
+        theta = problem.theta[problem.cls[self.areas]]
+        possible = enough(self.size[:self.free].sum(), theta)
+        possible[self.free:] = True
+        self.own = np.flatnonzero(possible)
+        self.cores = self.areas[self.own]
+        self.theta = np.where(self.own < self.free, theta[self.own], 0.0)
+        self.cost = shares(problem, self.areas, self.cores)
+        # who counts as equal: the same core, or a core of the same class
+        self.kind = problem.cls[self.cores] if problem.by_class else np.arange(len(self.cores))
+        self.kind = np.unique(self.kind, return_inverse=True)[1].ravel()
+        self.rounds, self.cuts = 0, {}
+        self.too_large = self.free * len(self.cores) > LARGEST_PROGRAMME
+        self.chosen = self._start(begin, big)
 
-    def _row(self, entries, low, high=np.inf):
-        number = len(self.low)
-        for column, value in entries:
-            self.rows.append(number)
-            self.columns.append(column)
-            self.values.append(value)
-        self.low.append(low)
-        self.upper.append(high)
+    # ---- solutions: the core of each area
 
-    def _build(self):
-        p = self.problem
-        fixed = set(self.fixed)
-        self.x = {}
-        cost = []
-        matrix = shares(p, np.array(self.free), np.array(self.cores, dtype=np.int64))
-        for i, v in enumerate(self.free):
-            for j, u in enumerate(self.cores):
-                self.x[u, v] = len(cost)
-                cost.append(matrix[i, j])
-        self.whole = len(cost)
-        theta = p.theta[p.cls]
-        for v in self.free:
-            self._row([(self.x[u, v], 1.0) for u in self.cores], 1.0, 1.0)
-        for u in self.cores:
-            if u not in fixed:
-                for v in self.free:
-                    if v != u:
-                        self._row([(self.x[u, u], 1.0), (self.x[u, v], -1.0)], 0.0)
-                if theta[u] > 0.0:
-                    entries = [(self.x[u, v], p.size[v] / theta[u]) for v in self.free if v != u]
-                    self._row(entries + [(self.x[u, u], p.size[u] / theta[u] - 1.0)], 0.0)
-            for v in self.free:  # the first contiguity cuts: neighbours at both ends are there, too
-                if v == u or u in self.adjacent[v]:
-                    continue
-                for end in (u, v):
-                    around = [s for s in self.adjacent[end] if s not in fixed]
-                    self._row([(self.x[u, s], 1.0) for s in around] + [(self.x[u, v], -1.0)], 0.0)
-        self._most_regions(fixed, theta)
-        self.offset = 0.0
-        if p.boundary:
-            self._boundaries(cost, fixed)
-        self.cost = np.array(cost)
+    def _start(self, begin, big):
+        """The cores of the solution to start from, or those of greedy where it does not fit."""
+        core = begin.core[begin.region[self.areas]]
+        number = np.full(len(self.problem.size), -1)
+        number[self.cores] = np.arange(len(self.cores))
+        fits = number[core] >= 0
+        fits[self.free:] &= core[self.free:] == self.areas[self.free:]
+        if not fits.all() or not self._feasible(number[core]):
+            core = self._greedy()
+        return number[core]
 
-    def _most_regions(self, fixed, theta):
-        """No more regions than there is room for: what rounding adds to the thresholds."""
-        total = float(self.problem.size[self.free].sum())
-        least = min((theta[u] for u in self.cores if u not in fixed), default=0.0)
-        if least > 0.0:
-            most = np.floor(total / least * (1.0 + 1e-9))
-            self._row([(self.x[u, u], 1.0) for u in self.cores if u not in fixed], 0.0, most)
+    def _feasible(self, chosen):
+        return not self._violated_by(chosen)
 
-    def _boundaries(self, cost, fixed):
-        """Terms for what two neighbours have in common: their region, or their class."""
-        p = self.problem
-        groups = {}
-        for u in self.cores:
-            groups.setdefault(int(p.cls[u]) if p.by_class else u, []).append(u)
-        for v, w, length in self.edges:
-            price = p.boundary * length
-            self.offset += price
-            if w in fixed:
-                for u in groups[int(p.cls[w]) if p.by_class else w]:
-                    cost[self.x[u, v]] -= price
-                continue
-            for cores in groups.values():
-                same = len(cost)
-                cost.append(-price)
-                for end in (v, w):
-                    self._row([(self.x[u, end], 1.0) for u in cores] + [(same, -1.0)], 0.0)
+    def _cost_of(self, chosen):
+        kind = self.kind[chosen]
+        total = self.cost[np.arange(self.free), chosen[:self.free]].sum()
+        return float(total + self.price[kind[self.a] != kind[self.b]].sum())
 
-    def solve(self, seconds, check):
+    def _violated_by(self, chosen):
+        """Cuts that a solution in integers violates."""
+        n, x = len(self.areas), np.zeros((len(self.areas), len(self.cores)))
+        x[np.arange(n), chosen] = 1.0
+        found = self._separate(x, LEVELS[3:4])
+        size = np.bincount(chosen, weights=self.size, minlength=len(self.cores))
+        used = np.bincount(chosen, minlength=len(self.cores)) > 0
+        for j in np.flatnonzero(used & ~enough(size, self.theta)).tolist():
+            # within the solver's tolerance: then one more area must come, or the core must go
+            found[j, int(self.own[j]), tuple(np.flatnonzero(chosen != j).tolist())] = None
+        return found
+
+    # ---- the relaxation
+
+    def solve(self, until, check):
         """Return the core of each free area, a lower bound, whether it is reached, and the rounds."""
-        if self.too_large:
-            return self._greedy(), self._floor(-np.inf), False, 0
-        milp, constraint, sparse = self.tools
-        until = perf_counter() + seconds
-        unit = max(np.abs(self.cost).max() / 100.0, 1e-300)
-        integral = np.zeros(len(self.cost))
-        integral[:self.whole] = 1
-        bound, rounds = -np.inf, 0
-        while True:
-            left = until - perf_counter()
-            if left <= 0.0 and rounds:
-                break
-            rounds += 1
+        # what is fixed costs the same in all solutions, and is counted elsewhere
+        bound = float(self.cost[:self.free].min(axis=1).sum())
+        if not self.too_large:
+            bound = max(bound, self._bound(until, check))
+        best = self._cost_of(self.chosen)
+        proven = bound >= best * (1.0 - 1e-9)
+        core = self.cores[self.chosen[:self.free]]
+        return core, min(bound, best) if proven else bound, proven, self.rounds
+
+    def _bound(self, until, check):
+        n, k = len(self.areas), len(self.cores)
+        possible = np.ones((n, k), dtype=bool)
+        possible[self.free:] = False
+        possible[self.own, np.arange(k)] = True
+        chosen = self._first_pairs() & possible
+        bound, last = -np.inf, -np.inf
+        while perf_counter() < until:
             check(None)
-            # HiGHS takes indices of 32 bits; scipy before 1.12 hands on others as they are
-            places = np.array([self.rows, self.columns], dtype=np.int32)
-            matrix = sparse.csr_array(
-                (self.values, (places[0], places[1])), shape=(len(self.low), len(self.cost))
+            answer = self._relaxed(chosen, until)
+            if answer is None:
+                return bound
+            value, x, reduced = answer
+            best = self._cost_of(self.chosen)
+            reduced[~possible] = np.inf
+            least = np.minimum(reduced.min(axis=1), 0.0)
+            bound = max(bound, value + self._by_cores(reduced))
+            value += least.sum()
+            bound = max(bound, value)
+            wanted = ~chosen & (reduced < -1e-7 * best)
+            if wanted.any():
+                rank = np.argsort(np.argsort(np.where(wanted, reduced, np.inf), axis=1), axis=1)
+                chosen |= wanted & (rank < MORE)
+                continue
+            # pairs that cost more than the gap are in no better solution
+            far = possible & (value - least[:, None] + reduced > best * (1.0 + 1e-7))
+            far[:, far[self.own, np.arange(k)]] = True
+            possible &= ~far
+            chosen &= possible
+            if self._adopt(x):
+                best = self._cost_of(self.chosen)
+            if bound >= best * (1.0 - 1e-7):
+                return best
+            before = len(self.cuts)
+            self.cuts.update(self._separate(x, LEVELS))
+            few = possible.sum() <= LARGEST_INTEGER
+            if len(self.cuts) == before or (few and value < last * (1.0 + 2e-4)):
+                if few or len(self.cuts) == before:
+                    break
+            last = value
+        if perf_counter() < until:
+            return max(bound, self._in_integers(possible, bound, until, check))
+        return bound
+
+    def _by_cores(self, reduced):
+        """What pairs of negative reduced cost may save at most: only cores have areas.
+
+        Long before all pairs are there this is better than the least of each area.
+        """
+        negative, j = np.minimum(reduced, 0.0), np.arange(len(self.own))
+        others = negative.sum(axis=0) - negative[self.own, j]
+        saved = np.minimum(reduced[self.own, j] + others, 0.0)
+        free = self.own < self.free
+        return float(np.sort(saved[free])[:int(self._most())].sum() + saved[~free].sum())
+
+    def _adopt(self, x):
+        """Take a solution of the relaxation if it is one in integers, and costs less."""
+        chosen = np.argmax(x, axis=1)
+        better = self._cost_of(chosen) < self._cost_of(self.chosen) and self._feasible(chosen)
+        if better:
+            self.chosen = chosen
+        return better
+
+    def _first_pairs(self):
+        """The pairs to begin with: cheap ones, areas around each core, and what is known to fit."""
+        n, k = self.cost.shape
+        if n * k <= ALL_PAIRS:
+            return np.ones((n, k), dtype=bool)
+        first = np.zeros((n, k), dtype=bool)
+        cheap = np.argpartition(self.cost, min(NEAREST, k - 1), axis=1)[:, :NEAREST]
+        np.put_along_axis(first, cheap, True, axis=1)
+        for j, v in enumerate(self.own.tolist()):
+            ball, seen = [v], {v}
+            for w in ball:
+                for u in self.adjacent[w]:
+                    if u not in seen and len(ball) < BALL:
+                        seen.add(u)
+                        ball.append(u)
+            first[ball, j] = True
+        first[np.arange(n), self.chosen] = True
+        first[self.own, np.arange(k)] = True
+        return first
+
+    def _matrix(self, chosen):
+        """Rows and columns of the programme for the chosen pairs.
+
+        Rows are at most 0; but the last one, the number of cores, is at most `_most`.
+
+        Returns
+        -------
+        cost : (c,) float
+            Of the pairs, then of the differences.
+        rows : (r, c) sparse
+        one : (n, c) sparse
+            Each area has one core.
+        place : (n, k) int
+            Column of each pair, -1 where it is left out.
+        edge, kind : (d,) int
+            What each difference is about; its row is the one of its number.
+        """
+        sparse, (n, k) = self.tools[3], self.cost.shape
+        v, j = np.nonzero(chosen)
+        x = len(v)
+        place = np.full((n, k), -1)
+        place[v, j] = np.arange(x)
+        kinds = int(self.kind.max(initial=-1)) + 1
+        there = np.zeros((n, kinds), dtype=bool)
+        there[v, self.kind[j]] = True
+        edge, kind = np.nonzero(there[self.a] | there[self.b])
+        edge, kind = edge[self.price[edge] > 0.0], kind[self.price[edge] > 0.0]
+        d = len(edge)
+        total = x + d
+        of_kind = sparse.csr_matrix(
+            (np.ones(x), (v * kinds + self.kind[j], np.arange(x))), shape=(n * kinds, total)
+        )
+        minus = sparse.csr_matrix((np.ones(d), (np.arange(d), x + np.arange(d))), shape=(d, total))
+        blocks = [of_kind[self.a[edge] * kinds + kind] - of_kind[self.b[edge] * kinds + kind] - minus]
+        link = self.own[j] != v
+        link &= self.own[j] < self.free  # a fixed core is there anyway
+        left, right = np.flatnonzero(link), place[self.own[j[link]], j[link]]
+        rows = np.arange(len(left))
+        blocks.append(sparse.csr_matrix(
+            (np.repeat([1.0, -1.0], len(left)), (np.tile(rows, 2), np.concatenate((left, right)))),
+            shape=(len(left), total),
+        ))
+        blocks.append(sparse.csr_matrix((self._needs()[v, j], (j, np.arange(x))), shape=(k, total)))
+        blocks.append(self._cut_rows(place, total))
+        free = place[self.own, np.arange(k)][self.own < self.free]
+        free = free[free >= 0]
+        blocks.append(sparse.csr_matrix(
+            (np.ones(len(free)), (np.zeros(len(free), dtype=np.int64), free)), shape=(1, total)
+        ))
+        one = sparse.csr_matrix((np.ones(x), (v, np.arange(x))), shape=(n, total))
+        cost = np.concatenate((np.where(v < self.free, self.cost[chosen], 0.0), self.price[edge]))
+        return cost, sparse.vstack(blocks).tocsr(), one, place, edge, kind
+
+    def _high(self, rows):
+        return np.append(np.zeros(rows.shape[0] - 1), self._most())
+
+    def _cut_rows(self, place, total):
+        """Rows of the cuts; which row each has is remembered."""
+        rows, columns, values = [], [], []
+        self.row_of_cut = {}
+        for j, v, separator in self.cuts:
+            if place[v, j] < 0:
+                continue
+            others = [c for c in place[list(separator), j].tolist() if c >= 0]
+            number = len(self.row_of_cut)
+            self.row_of_cut[j, v, separator] = number
+            rows += [number] * (1 + len(others))
+            columns += [int(place[v, j]), *others]
+            values += [1.0] + [-1.0] * len(others)
+        places = np.array([rows, columns], dtype=np.int64)
+        return self.tools[3].csr_matrix(
+            (np.array(values), (places[0], places[1])), shape=(len(self.row_of_cut), total)
+        )
+
+    def _needs(self):
+        """(n, k): what each area adds to the row of each core's threshold."""
+        n, k = self.cost.shape
+        # of what the core lacks, no area gives more than all
+        lack = self.theta - self.size[self.own]
+        lack[enough(self.size[self.own], self.theta)] = np.inf
+        needs = -np.minimum(self.size[:, None] / lack, 1.0)
+        needs[self.own, np.arange(k)] = np.isfinite(lack)
+        needs[self.free:] = 0.0
+        return needs
+
+    def _most(self):
+        """How many cores there is room for among the free areas."""
+        free = self.own < self.free
+        least = self.theta[free].min(initial=np.inf)
+        if not 0.0 < least < np.inf:
+            return float(free.sum())
+        return float(np.floor(self.size[:self.free].sum() / least * (1.0 + 1e-9)))
+
+    def _relaxed(self, chosen, until):
+        """Solve the relaxation for the chosen pairs.
+
+        Returns
+        -------
+        value : float
+            Together with the least reduced cost of each area, where that is negative, a lower bound,
+            by the dual prices alone, however well they were computed.
+        x : (n, k) float
+        reduced : (n, k) float
+            Reduced costs of all pairs, those that were left out, too.
+        """
+        linprog, (n, k) = self.tools[0], self.cost.shape
+        cost, rows, one, place, edge, kind = self._matrix(chosen)
+        self.rounds += 1
+        unit = max(np.abs(cost).max() / 100.0, 1e-300)
+        left = max(until - perf_counter(), 0.1)
+        for presolve in (True, False):
+            answer = linprog(
+                cost / unit, rows, self._high(rows), one, np.ones(n), bounds=(0.0, None),
+                method="highs-ds", options={"time_limit": left, "presolve": presolve},
             )
-            answer = milp(
-                self.cost / unit, integrality=integral, bounds=(0.0, 1.0),
-                constraints=constraint(matrix, self.low, self.upper),
-                options={"time_limit": max(left, 0.1), "mip_rel_gap": 1e-9},
-            )
-            if answer.status == 2 or (answer.x is None and answer.mip_dual_bound is None):
+            if answer.status < 2:  # the presolve of HiGHS 1.2 (scipy 1.10) takes some for unbounded
                 break
-            if answer.mip_dual_bound is not None and np.isfinite(answer.mip_dual_bound):
-                bound = max(bound, answer.mip_dual_bound * unit + self.offset)
-            if answer.x is None:
-                break
-            chosen = {
-                v: max(self.cores, key=lambda u: answer.x[self.x[u, v]]) for v in self.free
-            }
-            if self._cut(chosen) == 0:
-                if answer.status == 0:
-                    cost = self._cost(chosen)  # the bound is that, but for the solver's tolerance
-                    bound = min(cost, max(bound, cost * (1.0 - 1e-9)))
-                    return [chosen[v] for v in self.free], bound, True, rounds
-                return [chosen[v] for v in self.free], self._floor(bound), False, rounds
-            if answer.status != 0:
-                break
-        return self._greedy(), self._floor(bound), False, rounds
+        if answer.status != 0:
+            return None
+        dual = np.minimum(answer.ineqlin.marginals, 0.0) * unit
+        reduced = np.where(np.arange(n)[:, None] < self.free, self.cost, 0.0)
+        reduced = reduced - (answer.eqlin.marginals * unit)[:, None]
+        by_kind = np.zeros((n, int(self.kind.max()) + 1))
+        np.add.at(by_kind, (self.a[edge], kind), dual[:len(edge)])
+        np.subtract.at(by_kind, (self.b[edge], kind), dual[:len(edge)])
+        reduced -= by_kind[:, self.kind]
+        linked = rows.shape[0] - 1 - len(self.row_of_cut) - k - len(edge)
+        v, j = np.nonzero(chosen)
+        link = (self.own[j] != v) & (self.own[j] < self.free)
+        np.subtract.at(reduced, (v[link], j[link]), dual[len(edge):len(edge) + linked])
+        np.add.at(reduced, (self.own[j[link]], j[link]), dual[len(edge):len(edge) + linked])
+        theta = dual[len(edge) + linked:][:k]
+        reduced -= self._needs() * theta
+        of_cuts = dual[len(edge) + linked + k:]
+        for (j, v, separator), number in self.row_of_cut.items():
+            reduced[v, j] -= of_cuts[number]
+            reduced[list(separator), j] += of_cuts[number]
+        free = np.flatnonzero(self.own < self.free)
+        reduced[self.own[free], free] -= dual[-1]
+        x = np.zeros((n, k))
+        x[chosen] = answer.x[:int(chosen.sum())]
+        # by weak duality; a difference is at most 1
+        value = float(answer.eqlin.marginals.sum() * unit + dual[-1] * self._most())
+        value += float(np.minimum(self.price[edge] + dual[:len(edge)], 0.0).sum())
+        return value, x, reduced
 
-    def _floor(self, bound):
-        """A bound that always holds: every area at its cheapest core, no boundary."""
-        p = self.problem
-        least = [
-            shares(p, np.array([v]), np.array(self.cores, dtype=np.int64)).min() for v in self.free
-        ]
-        return max(bound, float(sum(least)))
-
-    def _cost(self, chosen):
-        p = self.problem
-        total = sum(float(shares(p, np.array([v]), np.array([u]))[0, 0]) for v, u in chosen.items())
-        for v, w, length in self.edges:
-            a, b = chosen[v], chosen.get(w, w)
-            if (p.cls[a] != p.cls[b]) if p.by_class else a != b:
-                total += p.boundary * length
-        return total
-
-    def _cut(self, chosen):
-        """Add cuts for what a solution violates; return their number."""
-        added, fixed, regions = 0, set(self.fixed), {}
-        for v, u in chosen.items():
-            regions.setdefault(u, set()).add(v)
-        for u, members in regions.items():
-            members.add(u)
-            parts = connected_parts(self.adjacent, members)
-            for part in parts:
-                if u in part:
-                    continue
-                part = set(part)
-                around = {s for v in part for s in self.adjacent[v]} - part
-                # what separates this part from its core separates it from others, too
-                for core in self.cores:
-                    if core in part or core in around:
+    def _separate(self, x, levels):
+        """Contiguity cuts that a solution violates: a dict by core, area and separator."""
+        found = {}
+        for j in np.flatnonzero(x.max(axis=0) > 1e-6).tolist():
+            column, u = x[:, j], int(self.own[j])
+            seen = set()
+            for level in levels:
+                support = {u, *np.flatnonzero(column > level * max(column[u], 1e-3)).tolist()}
+                for part in connected_parts(self.adjacent, support):
+                    part = frozenset(part)
+                    if part in seen:
                         continue
-                    separator = self._facing(core, around)
-                    inside = [(self.x[core, s], 1.0) for s in sorted(separator - fixed)]
-                    for v in sorted(part):
-                        self._row([*inside, (self.x[core, v], -1.0)], 0.0)
-                        added += 1
-            theta = self.problem.theta[self.problem.cls[u]]
-            size = self.problem.size[sorted(members)].sum()
-            if u not in self.fixed and not enough(size, theta):  # within the solver's tolerance
-                outside = [(self.x[u, v], 1.0) for v in self.free if v not in members]
-                self._row(outside + [(self.x[u, u], -1.0)], 0.0)
-                added += 1
-        return added
+                    seen.add(part)
+                    around = {s for v in part for s in self.adjacent[v]} - part
+                    if u not in part and u not in around:  # who is in here comes through those
+                        facing, inside = self._facing(u, around, part), part
+                    elif u in part and not enough(self.size[list(part)].sum(), self.theta[j]):
+                        facing, inside = around, (u,)  # too small: it goes on somewhere
+                    else:
+                        continue
+                    separator = tuple(sorted(facing))
+                    most = column[list(separator)].sum() + 1e-4
+                    for v in inside:
+                        if column[v] > most:
+                            found[j, v, separator] = None
+        return found
 
-    def _facing(self, u, around):
+    def _facing(self, u, around, part):
         """The areas of a separator that are reached from u."""
         reached, stack, facing = {u}, [u], set()
         while stack:
-            v = stack.pop()
-            for s in self.adjacent[v]:
+            for s in self.adjacent[stack.pop()]:
                 if s in around:
                     facing.add(s)
-                elif s not in reached:
+                elif s not in reached and s not in part:
                     reached.add(s)
                     stack.append(s)
         return facing
 
+    # ---- in integers
+
+    def _in_integers(self, possible, bound, until, check):
+        """Solve the programme of all pairs that are left; return the bound."""
+        _, milp, constraint, sparse = self.tools
+        presolve = True
+        while perf_counter() < until:
+            check(None)
+            cost, rows, one, place, _, _ = self._matrix(possible)
+            self.rounds += 1
+            # HiGHS takes indices of 32 bits; scipy before 1.12 hands on others as they are
+            matrix = sparse.vstack((one, rows)).tocsc()
+            matrix.indices, matrix.indptr = (
+                part.astype(np.int32) for part in (matrix.indices, matrix.indptr)
+            )
+            low = np.concatenate((np.ones(one.shape[0]), np.full(rows.shape[0], -np.inf)))
+            high = np.concatenate((np.ones(one.shape[0]), self._high(rows)))
+            unit = max(np.abs(cost).max() / 100.0, 1e-300)
+            # the differences are whole, too, if the pairs are: with that said, presolve fails less often
+            answer = milp(
+                cost / unit, integrality=np.ones(len(cost)), bounds=(0.0, 1.0),
+                constraints=constraint(matrix, low, high),
+                options={"time_limit": max(until - perf_counter(), 0.1), "mip_rel_gap": 1e-9,
+                         "presolve": presolve},
+            )
+            best = self._cost_of(self.chosen)
+            if answer.status == 2:
+                if not presolve:
+                    return bound
+                # the solution known is in the programme: the presolve of HiGHS 1.2 (scipy 1.10) is wrong
+                presolve = False
+                continue
+            if answer.mip_dual_bound is not None and np.isfinite(answer.mip_dual_bound):
+                bound = max(bound, min(best, answer.mip_dual_bound * unit))
+            if answer.x is None:
+                return bound
+            x = np.where(place >= 0, answer.x[place], 0.0)
+            chosen = np.argmax(x, axis=1)
+            violated = self._violated_by(chosen)
+            if not violated and self._cost_of(chosen) < best:
+                self.chosen, best = chosen, self._cost_of(chosen)
+            if answer.status != 0:
+                return bound
+            if not violated:  # the bound is its cost, but for the solver's tolerance
+                return best
+            if not violated.keys() - self.cuts.keys():
+                return bound
+            self.cuts.update(violated)
+        return bound
+
     def _greedy(self):
         """The greedy solution of this part, in which no two of the large areas join."""
-        p = self.problem
-        number = {v: k for k, v in enumerate(self.areas)}
-        pairs = [(number[v], number[w]) for v, w, _ in self.edges]
-        areas = np.array(self.areas)
+        p, areas = self.problem, self.areas
         part = build(
-            p.size[areas], p.cls[areas], p.place[areas], pairs, [e[2] for e in self.edges],
-            p.distance, p.theta, p.change, p.boundary, p.centre, p.by_class,
+            self.size, p.cls[areas], p.place[areas], np.column_stack((self.a, self.b)),
+            self.price / (p.boundary or 1.0), p.distance, p.theta, p.change, p.boundary, p.centre,
+            p.by_class, p.spread[areas],
         )
         found = greedy(part)
         core = areas[found.core]
-        for u in self.fixed:
-            core[found.region[number[u]]] = u
-        return core[found.region[:len(self.free)]].tolist()
+        core[found.region[self.free:]] = areas[self.free:]
+        return core[found.region]

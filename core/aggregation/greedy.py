@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import heapq
+import math
 
 import numpy as np
 
-from .instance import best_core, components, connected_parts, enough, shares, solution
+from .instance import best_core, components, connected_parts, each_share, enough, shares, solution
 
 __all__ = ["adjacency", "best_split", "greedy", "helpless", "reach_count"]
+
+FEW = 24  # areas from which arrays are quicker than a loop
 
 
 def helpless(problem):
@@ -46,7 +49,7 @@ def greedy(problem, check=None):
 
     Notes
     -----
-    O(n log n) merges; each looks at the neighbours of the smaller region.
+    O(n log n) merges; each looks at the areas of the smaller region, for each of its neighbours.
     """
     n = len(problem.size)
     lost = helpless(problem)
@@ -54,75 +57,135 @@ def greedy(problem, check=None):
     if lost.any():
         parts = components(problem, problem.cls)
         label[lost] = n + parts[lost]
-    theta = problem.theta[problem.cls].tolist()
-    size = problem.size.tolist()
-    members = [[v] for v in range(n)]
-    core = list(range(n))
-    start, neighbour, length = (
-        problem.start.tolist(), problem.neighbour.tolist(), problem.length.tolist()
-    )
-    beside = [
-        dict(zip(neighbour[lo:hi], length[lo:hi])) for lo, hi in zip(start[:-1], start[1:])
-    ]
-    alive = ~lost
-    heap = [(size[v], v) for v in np.flatnonzero(alive).tolist() if not enough(size[v], theta[v])]
+    grown = _Growing(problem)
+    size, theta, core = grown.size, grown.theta, grown.core
+    alive = (~lost).tolist()
+    heap = [(size[v], v) for v in range(n) if alive[v] and not enough(size[v], theta[v])]
     heapq.heapify(heap)
-    whole = len(heap) or 1
-    steps = 0
+    whole, steps = len(heap) or 1, 0
     while heap:
         weight, r = heapq.heappop(heap)
-        if not alive[r] or weight != size[r] or enough(size[r], theta[core[r]]) or not beside[r]:
+        if not alive[r] or weight != size[r] or enough(size[r], theta[core[r]]):
+            continue
+        if not grown.beside[r]:
             continue
         steps += 1
         if check is not None and steps % 256 == 0:
             check(min(1.0, steps / whole))
-        s = _cheapest(problem, members[r], core, beside, r)
-        core[s] = _core_of_both(problem, members, core, r, s, size[r] + size[s])
-        if len(members[r]) > len(members[s]):
-            members[r], members[s] = members[s], members[r]
-        members[s] += members[r]
-        members[r] = []
-        size[s] += size[r]
+        s = grown.cheapest(r)
+        grown.join(r, s)
         alive[r] = False
+        if not enough(size[s], theta[core[s]]):
+            heapq.heappush(heap, (size[s], s))
+    for r in range(n):
+        if alive[r]:
+            label[grown.members[r]] = r
+    return solution(problem, label)
+
+
+class _Growing:
+    """Regions that only grow, in plain lists: most are so small that arrays would cost more.
+
+    ``cost`` is what the areas of a region cost under its core, ``moment`` the sum of their size times
+    place, ``by_class`` their size by class, ``beside`` the boundary to each neighbouring region.
+    """
+
+    def __init__(self, problem):
+        self.problem = problem
+        n = len(problem.size)
+        self.size, self.place = problem.size.tolist(), problem.place.tolist()
+        self.spread, self.cls = problem.spread.tolist(), problem.cls.tolist()
+        self.area = problem.size.tolist()
+        self.distance = (problem.change * problem.distance).tolist()
+        self.theta = problem.theta[problem.cls].tolist()
+        self.core = list(range(n))
+        self.members = [[v] for v in range(n)]
+        self.cost = each_share(problem, np.arange(n), np.arange(n)).tolist()
+        self.moment = (problem.size * problem.place).tolist()
+        self.by_class = [{c: w} for c, w in zip(self.cls, self.size)]
+        start = problem.start.tolist()
+        neighbour, length = problem.neighbour.tolist(), problem.length.tolist()
+        self.beside = [
+            dict(zip(neighbour[lo:hi], length[lo:hi])) for lo, hi in zip(start[:-1], start[1:])
+        ]
+
+    def shares(self, areas, core):
+        """What areas cost under a core."""
+        if len(areas) > FEW:
+            return float(shares(self.problem, np.array(areas), np.array([core])).sum())
+        centre, there = self.problem.centre, self.place[core]
+        kept, total = self.cls[core], 0.0
+        for v in areas:
+            away = abs(self.place[v] - there)
+            total += self.area[v] * (
+                self.distance[self.cls[v]][kept] + centre * math.sqrt(away * away + self.spread[v])
+            )
+        return total
+
+    def cheapest(self, r):
+        """The neighbouring region that r joins at least cost."""
+        problem, around, areas = self.problem, self.beside[r], self.members[r]
+        saved = around
+        if problem.by_class:  # joining s removes the boundary to all neighbours of its class
+            lengths = {}
+            for s, length in around.items():
+                kept = self.cls[self.core[s]]
+                lengths[kept] = lengths.get(kept, 0.0) + length
+            saved = {s: lengths[self.cls[self.core[s]]] for s in around}
+        costs = [
+            (self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around
+        ]
+        excluded = [math.isinf(self.theta[self.core[s]]) for s in around]
+        if any(excluded):  # an excluded class is the last resort: its own turn to join comes later
+            more = sum(abs(cost) for cost, _ in costs)
+            costs = [(cost + more * last, s) for (cost, s), last in zip(costs, excluded)]
+        return min(costs)[1]
+
+    def join(self, r, s):
+        """Region r becomes a part of s; the core is the cheaper of both, if that is large enough."""
+        self._choose_core(r, s)
+        if len(self.members[r]) > len(self.members[s]):
+            self.members[r], self.members[s] = self.members[s], self.members[r]
+        self.members[s] += self.members[r]
+        self.members[r] = []
+        self.size[s] += self.size[r]
+        self.moment[s] += self.moment[r]
+        for kept, size in self.by_class[r].items():
+            self.by_class[s][kept] = self.by_class[s].get(kept, 0.0) + size
+        beside = self.beside
         del beside[s][r]
         for t, shared in beside[r].items():
             if t != s:
                 del beside[t][r]
                 beside[t][s] = beside[s][t] = beside[s].get(t, 0.0) + shared
         beside[r] = {}
-        if not enough(size[s], theta[core[s]]):
-            heapq.heappush(heap, (size[s], s))
-    for r in np.flatnonzero(alive).tolist():
-        label[members[r]] = r
-    return solution(problem, label)
 
-
-def _cheapest(problem, areas, core, beside, r):
-    """The neighbouring region that r joins at least cost."""
-    around = list(beside[r])
-    cores = np.array([core[s] for s in around])
-    cost = shares(problem, np.array(areas), cores).sum(axis=0)
-    saved = np.array(list(beside[r].values()))
-    kept = problem.cls[cores]
-    if problem.by_class:
-        # joining s removes the boundary to all neighbours of its class
-        by_class = np.bincount(kept, weights=saved, minlength=len(problem.theta))
-        saved = by_class[kept]
-    cost -= problem.boundary * saved
-    # an excluded class is the last resort: its own turn to join comes later
-    cost[np.isinf(problem.theta[kept])] += np.abs(cost).sum()
-    return around[int(np.lexsort((around, cost))[0])]
-
-
-def _core_of_both(problem, members, core, r, s, size):
-    """The cheaper of two cores for two regions that join; large enough goes first."""
-    both = np.array(sorted((core[r], core[s])))
-    theta = problem.theta[problem.cls[both]]
-    rank = np.where(enough(size, theta), 0, np.where(np.isfinite(theta), 1, 2))
-    if rank[0] != rank[1]:
-        return int(both[np.argmin(rank)])
-    cost = shares(problem, np.array(members[r] + members[s]), both).sum(axis=0)
-    return int(both[np.argmin(cost)])
+    def _choose_core(self, r, s):
+        total = self.size[r] + self.size[s]
+        u, v = self.core[r], self.core[s]
+        ranks = [
+            0 if enough(total, self.theta[w]) else 1 if math.isfinite(self.theta[w]) else 2
+            for w in (u, v)
+        ]
+        stays = self.cost[s] + self.shares(self.members[r], v)
+        if ranks[0] > ranks[1]:
+            self.cost[s] = stays
+            return
+        if ranks[0] == ranks[1]:
+            # no areas are nearer to a place than their centroid
+            least = self.cost[r] + self.problem.centre * abs(
+                self.moment[s] - self.size[s] * self.place[u]
+            ) + sum(
+                size * self.distance[kept][self.cls[u]] for kept, size in self.by_class[s].items()
+            )
+            if least > stays:
+                self.cost[s] = stays
+                return
+        goes = self.cost[r] + self.shares(self.members[s], u)
+        if ranks[0] < ranks[1] or (goes, u) < (stays, v):
+            self.core[s], self.cost[s] = u, goes
+        else:
+            self.cost[s] = stays
 
 
 def reach_count(problem, found, count, check=None):
@@ -150,11 +213,14 @@ def reach_count(problem, found, count, check=None):
     def cost_of(r):
         return float(shares(problem, groups[r], np.array([core[r]])).sum())
 
+    def kept_of(v):
+        return problem.cls[core[int(region[v])]]
+
     def offer(r):
         if lost[core[r]]:
             return
         if len(core) < count:
-            split = best_split(problem, adjacent, groups[r], core[r])
+            split = best_split(problem, adjacent, groups[r], core[r], kept_of)
             if split is not None:
                 heapq.heappush(heap, (split[0], r, len(groups[r]), -1, 0, split[1], split[2]))
             return
@@ -201,7 +267,7 @@ def reach_count(problem, found, count, check=None):
     return solution(problem, region)
 
 
-def best_split(problem, adjacent, members, core, most=24):
+def best_split(problem, adjacent, members, core, kept, most=24):
     """Return the cheapest way to split a region in two that are both large enough.
 
     Parameters
@@ -209,6 +275,8 @@ def best_split(problem, adjacent, members, core, most=24):
     members : (m,) int
     core : int
         The one keeps this core.
+    kept : callable
+        Class of the region of an area: asked where only boundaries between classes count.
     most : int
         How many areas, the largest first, are tried as the core of the other.
 
@@ -239,16 +307,23 @@ def best_split(problem, adjacent, members, core, most=24):
         if sum(size[v] for v in rest) < theta[core]:
             continue
         cost = sum(gain_of[v] for v in part)
-        if not (problem.by_class and problem.cls[u] == problem.cls[core]):
-            cost += problem.boundary * sum(
-                problem.length[slot]
-                for v in part
-                for slot in range(problem.start[v], problem.start[v + 1])
-                if int(problem.neighbour[slot]) in rest
-            )
+        cost += problem.boundary * _split_boundary(problem, part, rest, u, core, kept)
         if best is None or cost < best[0]:
             best = (float(cost), sorted(part), u)
     return best
+
+
+def _split_boundary(problem, part, rest, u, core, kept):
+    """Length of boundary that a part adds when it leaves a region and gets the core u."""
+    own, old, added = problem.cls[u], problem.cls[core], 0.0
+    for v in part if not problem.by_class or own != old else ():
+        for slot in range(problem.start[v], problem.start[v + 1]):
+            x, length = int(problem.neighbour[slot]), float(problem.length[slot])
+            if x in rest:
+                added += length
+            elif problem.by_class and x not in part:
+                added += length * (int(kept(x) != own) - int(kept(x) != old))
+    return added
 
 
 def _grow(adjacent, inside, gain, size, u, core, theta):

@@ -5,10 +5,17 @@ as its class demands, and has the class of its *core*, one of its areas. It cost
 a region with core u,
 
 * class change: ``size(v) * distance(class(v), class(u))``,
-* centre distance: ``size(v) * |centroid(v) - centroid(u)|``,
+* centre distance: ``size(v)`` times the root mean square distance of the points of v from the centroid
+  of u, ``sqrt(|centroid(v) - centroid(u)|^2 + spread(v))``,
 
 and the length of the boundary between regions (or between classes). The core is the area that makes
 this least.
+
+Haunert and Wolff measure the distance between the centroids, ``spread(v) = 0``. An area in one piece
+is then billed less than the same area in several, whose centroids lie apart: what is cut looks
+worse than it is. The root mean square is true to every point of the area, and cutting cannot raise
+it: for parts of sizes w with mean squared distances m from a centre, ``sum(w sqrt(m)) <= sum(w)
+sqrt(sum(w m) / sum(w))``, because the square root is concave.
 """
 
 from __future__ import annotations
@@ -21,17 +28,22 @@ __all__ = [
     "Costs",
     "Instance",
     "Solution",
+    "away",
     "best_core",
     "build",
+    "cheapest_core",
     "components",
     "connected_parts",
     "costs",
+    "each_share",
     "enough",
     "hierarchical_distance",
     "problems",
     "shares",
     "solution",
 ]
+
+FEW_CORES = 32  # areas of a region for which all cores are compared at once
 
 
 class Instance(NamedTuple):
@@ -44,6 +56,8 @@ class Instance(NamedTuple):
         Class of each area, 0 to K - 1.
     place : (n,) complex
         Centroids, x + iy.
+    spread : (n,) float
+        Mean squared distance of the points of each area from its centroid, in m2; 0: areas are points.
     start : (n + 1,) int
         The neighbours of area v are ``neighbour[start[v]:start[v + 1]]``, ascending.
     neighbour : (h,) int
@@ -62,6 +76,7 @@ class Instance(NamedTuple):
     size: np.ndarray
     cls: np.ndarray
     place: np.ndarray
+    spread: np.ndarray
     start: np.ndarray
     neighbour: np.ndarray
     length: np.ndarray
@@ -107,7 +122,7 @@ class Costs(NamedTuple):
     region_boundary, class_boundary : float
         Length between regions, and between regions of different class.
     centre_distance : float
-        Mean distance to the core, weighted by size.
+        Mean root mean square distance to the core, weighted by size.
     """
 
     change: float
@@ -127,7 +142,7 @@ class Costs(NamedTuple):
 
 def build(
     size, cls, place, pairs, length, distance, theta, change=1.0, boundary=0.0, centre=0.0,
-    by_class=False,
+    by_class=False, spread=None,
 ):
     """Return an instance.
 
@@ -137,6 +152,8 @@ def build(
         Neighbours; each pair may be listed once, twice or in parts.
     length : (m,) float
         What each entry adds to the pair's shared boundary.
+    spread : (n,) float, optional
+        Default: areas are points.
 
     The others are attributes of `Instance`.
     """
@@ -154,6 +171,7 @@ def build(
         size=np.asarray(size, dtype=float),
         cls=np.asarray(cls, dtype=np.int64),
         place=np.asarray(place, dtype=complex),
+        spread=np.zeros(n) if spread is None else np.asarray(spread, dtype=float),
         start=np.searchsorted(tail[order], np.arange(n + 1)),
         neighbour=head[order],
         length=np.concatenate((total, total))[order],
@@ -203,8 +221,25 @@ def shares(problem, areas, cores):
     """
     cost = problem.change * problem.distance[problem.cls[areas][:, None], problem.cls[cores]]
     if problem.centre:
-        cost = cost + problem.centre * np.abs(problem.place[areas][:, None] - problem.place[cores])
+        cost = cost + problem.centre * away(
+            problem.place[areas][:, None] - problem.place[cores], problem.spread[areas][:, None]
+        )
     return cost * problem.size[areas][:, None]
+
+
+def each_share(problem, areas, cores):
+    """Cost of each area in a region with the core beside it; `shares`, elementwise."""
+    cost = problem.change * problem.distance[problem.cls[areas], problem.cls[cores]]
+    if problem.centre:
+        cost = cost + problem.centre * away(
+            problem.place[areas] - problem.place[cores], problem.spread[areas]
+        )
+    return cost * problem.size[areas]
+
+
+def away(vector, spread):
+    """Root mean square distance of an area from a point, by the vector from it to the centroid."""
+    return np.sqrt(vector.real**2 + vector.imag**2 + spread)
 
 
 def costs(problem, found):
@@ -212,7 +247,6 @@ def costs(problem, found):
     core = found.core[found.region]
     kept = problem.cls[core]
     per_size = problem.distance[problem.cls, kept]
-    away = np.abs(problem.place - problem.place[core])
     owner = problem.owner
     once = owner < problem.neighbour
     tail, head, length = owner[once], problem.neighbour[once], problem.length[once]
@@ -222,7 +256,7 @@ def costs(problem, found):
     class_boundary = float(length[classes].sum())
     total = float(problem.size.sum())
     change = float(problem.size @ per_size)
-    distance = float(problem.size @ away)
+    distance = float(problem.size @ away(problem.place - problem.place[core], problem.spread))
     return Costs(
         change=problem.change * change,
         boundary=problem.boundary * (class_boundary if problem.by_class else boundary),
@@ -318,17 +352,61 @@ def solution(problem, region):
 def best_core(problem, members, class_length=None):
     """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
     size = problem.size[members].sum()
-    cost = np.concatenate([
-        shares(problem, members, members[lo:lo + 256]).sum(axis=0)
-        for lo in range(0, len(members), 256)
-    ])
     kept = problem.cls[members]
-    if class_length is not None:
-        cost = cost + class_length[kept]
     # an excluded class only where there is no other; one too demanding before an excluded one
     theta = problem.theta[kept]
     rank = np.where(enough(size, theta), 0, np.where(np.isfinite(theta), 1, 2))
-    return int(members[np.lexsort((members, cost, rank))[0]])
+    extra = np.zeros(len(members)) if class_length is None else class_length[kept]
+    extra = np.where(rank == rank.min(), extra, np.inf)
+    return int(members[cheapest_core(problem, members, extra)[0]])
+
+
+def cheapest_core(problem, members, extra):
+    """Return which of some areas is their cheapest core, and what they cost under it.
+
+    Parameters
+    ----------
+    members : (m,) int
+    extra : (m,) float
+        What else each costs as a core; infinite: it may not be one.
+
+    Returns
+    -------
+    index : int
+        Of equal ones the smallest area's.
+    cost : float
+        With ``extra``.
+
+    Notes
+    -----
+    O(m^2), but mostly O(m): the sum of the distances to a place is at least the length of the sum of
+    the vectors, so that most cores need not be tried.
+    """
+    m = len(members)
+    if m <= FEW_CORES:
+        cost = shares(problem, members, members).sum(axis=0) + extra
+        best = np.lexsort((members, cost))[0]
+        return int(best), float(cost[best])
+    size, place, kept = problem.size[members], problem.place[members], problem.cls[members]
+    by_class = np.bincount(kept, weights=size, minlength=len(problem.theta))
+    known = extra + problem.change * (by_class @ problem.distance)[kept]
+    vector = (size @ place) - size.sum() * place
+    spread = size @ np.sqrt(problem.spread[members])
+    least = known + problem.centre * np.sqrt(vector.real**2 + vector.imag**2 + spread**2)
+    order = np.argsort(least, kind="stable")
+    best = (np.inf, np.inf, -1)
+    for lo in range(0, m, 16):
+        some = order[lo:lo + 16]
+        if least[some[0]] > best[0] * (1.0 + 1e-12):
+            break
+        cost = known[some]
+        if problem.centre:
+            cost = cost + problem.centre * (size @ away(
+                place[:, None] - place[some], problem.spread[members][:, None]
+            ))
+        for k in np.flatnonzero(cost <= best[0]).tolist():
+            best = min(best, (float(cost[k]), int(members[some[k]]), int(some[k])))
+    return best[2] if best[2] >= 0 else int(order[0]), best[0]
 
 
 def enough(size, theta):

@@ -121,7 +121,8 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
         decrement = force @ move
         for _ in range(30):
             trial = jacobian_of(q + length * move, done)
-            if _determinant(trial).min() > 0.0 and energy(trial, q + length * move) <= (
+            # where the focus is all there is, no triangle is left that could turn
+            if _determinant(trial).min(initial=np.inf) > 0.0 and energy(trial, q + length * move) <= (
                 now + 1e-4 * length * decrement
             ):
                 q, jacobian = q + length * move, trial

@@ -54,7 +54,7 @@ def min_length(coords, offsets, tau, check):
     Within `GAP` of the optimum, or what is found in `SECONDS`.
     """
     solution = partition(
-        coords, offsets, tau, weigh=lambda prepared: prepared.length, max_gap=GAP,
+        coords, offsets, tau, weigh=lambda prepared: prepared.chord, max_gap=GAP,
         time_limit=SECONDS, cancelled=_asks(check),
     )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]

@@ -14,10 +14,11 @@ from ..metric import Metric
 from ..predicates import crossing
 from ..progress import ignore
 from ..rings import groups, shapes, signed_areas, take
+from .natural import natural
 from .polygon import Polygons, select, without_rings
 from .triangulation import diagonals, triangulate
 
-__all__ = ["ACCEPTED", "CROSSES", "Lines", "OFF_VERTICES", "counted", "from_lines",
+__all__ = ["ACCEPTED", "CROSSES", "Diagonals", "Lines", "OFF_VERTICES", "counted", "from_lines",
            "from_triangulation"]
 
 # What became of a line; PROBLEMS says it in words. The higher, the closer it was to a diagonal.
@@ -49,7 +50,7 @@ class Lines(NamedTuple):
     other: np.ndarray
 
 
-def from_lines(polygon, lines):
+def from_lines(polygon: Polygons, lines: np.ndarray) -> Lines:
     """Find out which lines are diagonals of a polygon that do not cross.
 
     Parameters
@@ -109,10 +110,35 @@ def from_lines(polygon, lines):
     return Lines(np.column_stack((u, v))[order], good[order], verdict, other)
 
 
+class Diagonals(NamedTuple):
+    """The diagonals of triangulations.
+
+    Attributes
+    ----------
+    edges : (k, 2) int
+        Vertices u < v, u ascending, then v descending.
+    verdict : (p,) object
+        For each polygon '', or why it could not be triangulated; it has no edges then.
+    why : (k,) int8 or None
+        Why each is no candidate for natural parts; `natural.KEPT` where it is one.
+    share : (k,) float or None
+        Area of the smaller side, as a share of the polygon's; NaN where a diagonal joins two rings.
+    edge_length : (c,) float or None
+        Length of the polygon edge that leaves each corner, on the generalised outline; NaN at corners
+        that are left out.
+    """
+
+    edges: np.ndarray
+    verdict: np.ndarray
+    why: np.ndarray | None = None
+    share: np.ndarray | None = None
+    edge_length: np.ndarray | None = None
+
+
 def from_triangulation(
     polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
-    engine: str | None = None, check: Callable = ignore,
-) -> tuple[np.ndarray, np.ndarray]:
+    smallest: np.ndarray | None = None, engine: str | None = None, check: Callable = ignore,
+) -> Diagonals:
     """Find the diagonals of triangulations that do not touch the boundary components left out.
 
     Parameters
@@ -123,43 +149,61 @@ def from_triangulation(
     wanted : (r,) bool
         The components that count. The triangulation is that of the polygon without the others, so
         that a neck with an islet in it can still be cut beside the islet.
+    smallest : (p,) float, optional
+        Area of the smallest part of each polygon: asks which diagonals are natural (`natural.natural`).
     measure, engine, check
         See `triangulation.triangulate`.
 
     Returns
     -------
-    edges : (k, 2) int
-        Vertices u < v, u ascending, then v descending.
-    verdict : (p,) object
-        For each polygon '', or why it could not be triangulated; it has no edges then.
+    Diagonals
     """
     free = ~wanted[component]
-    rest, vertex = without_rings(polygons, free) if free.any() else (polygons, None)
+    corner = np.arange(len(polygons.vertex))
+    vertex, rest = np.arange(len(polygons.xy)), polygons
+    if free.any():
+        rest, vertex = without_rings(polygons, free)
+        corner, _ = take(polygons.offsets, np.flatnonzero(~free))
     triangles, verdict = triangulate(
         rest, conformal=measure.conformal, engine=engine, check=check
     )
     if (verdict != "").any():
-        good, number = select(rest, np.flatnonzero(verdict == ""))
-        back = np.empty(len(rest.xy), dtype=np.int64)
+        which = np.flatnonzero(verdict == "")
+        corner = corner[take(rest.corner_offsets, which)[0]]
+        rest, number = select(rest, which)
+        back = np.empty(len(vertex), dtype=np.int64)
         back[number] = np.arange(len(number))
-        edges = number[diagonals(good, back[triangles])]
-    else:
-        edges = diagonals(rest, triangles)
-    if vertex is None:
-        return edges, verdict
-    edges = vertex[edges]
-    owner = polygons.polygon_of_vertex[edges[:, 0]]
-    bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
-    hit = [np.empty(0, dtype=np.int64)]
-    for p in np.unique(polygons.polygon_of_ring[free]).tolist():
-        own = np.arange(*polygons.polygon_offsets[p:p + 2])
-        corner, offsets = take(polygons.offsets, own[free[own]])
-        holes = shapely.polygons(
-            shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
+        triangles, vertex = back[triangles], vertex[number]
+    edges = diagonals(rest, triangles)
+    found = Diagonals(vertex[edges], verdict)
+    if smallest is not None:
+        own = np.flatnonzero(verdict == "")
+        unit = polygons.unit[own]
+        chosen = natural(
+            rest, edges, triangles, measure.positions(rest.xy), measure, smallest[own] / unit / unit
         )
-        lines = shapely.linestrings(polygons.xy[edges[bounds[p]:bounds[p + 1]]])
-        hit.append(bounds[p] + shapely.STRtree(holes).query(lines, predicate="intersects")[0])
-    return np.delete(edges, np.concatenate(hit), axis=0), verdict
+        edge_length = np.full(len(polygons.vertex), np.nan)
+        edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
+        found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
+    if not free.any():
+        return found
+    owner = polygons.polygon_of_vertex[found.edges[:, 0]]
+    bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
+    clear = np.ones(len(edges), dtype=bool)
+    for p in np.unique(polygons.polygon_of_ring[free]).tolist():
+        ring = np.arange(*polygons.polygon_offsets[p:p + 2])
+        index, offsets = take(polygons.offsets, ring[free[ring]])
+        holes = shapely.polygons(
+            shapely.linearrings(polygons.xy[polygons.vertex[index]], indices=groups(offsets))
+        )
+        lines = shapely.linestrings(polygons.xy[found.edges[bounds[p]:bounds[p + 1]]])
+        hit, _ = shapely.STRtree(holes).query(lines, predicate="intersects")
+        clear[bounds[p] + hit] = False
+    return found._replace(
+        edges=found.edges[clear],
+        why=None if found.why is None else found.why[clear],
+        share=None if found.share is None else found.share[clear],
+    )
 
 
 def counted(

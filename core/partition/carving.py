@@ -267,7 +267,6 @@ def _follow(polygons, after):
     """
     corners, count = len(polygons.vertex), len(polygons.polygon_offsets) - 1
     jump = np.append(after[:corners] != np.arange(1, corners + 1), np.ones(len(after) - corners, bool))
-    jump[polygons.offsets[1:] - 1] = True
     jump = np.flatnonzero(jump)
     # runs of half-edges along the rings: from where a jump leads to the next jump
     shell = polygons.corner_offsets[:-1]

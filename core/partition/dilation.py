@@ -253,7 +253,8 @@ def true_dilations(
     for count, k in enumerate(np.flatnonzero(bound > 1.0).tolist()):
         if count % 256 == 0:
             check()
-        path, _ = _path(graph, *edges[k].tolist(), limit=float(bound[k] * length[k]))
+        u, v = edges[k].tolist()
+        path, _ = _path(graph, u, v, limit=float(bound[k] * length[k]))
         dilation[k] = min(bound[k], path / length[k])
     return at_least_one(dilation)
 
@@ -290,7 +291,8 @@ def largest_dilation(
         searches += 1
         own = float(length[k])
         # any way that is no longer than what is known will do
-        path, _ = _path(graph, *edges[k].tolist(), limit=most * own, enough=largest[p] * own)
+        u, v = edges[k].tolist()
+        path, _ = _path(graph, u, v, limit=most * own, enough=largest[p] * own)
         largest[p] = max(largest[p], min(most, path / own))
     return np.array(largest)
 
@@ -317,7 +319,8 @@ def drop_redundant(
     carved : solve.Carved
         With a T that is part of S.
     role, bound : (k,) int, (k,) float
-        On which side of each candidate its witness in the carved polygon lies, LEAF or ROOT, and its dilation.
+        LEAF or ROOT, the side of each candidate where its witness in the carved polygon lies, and its
+        dilation.
     check : callable
         Called now and then; may raise `Cancelled`.
 
@@ -341,6 +344,8 @@ def drop_redundant(
         if count % 64 == 0:
             check()
         c = int(selected[s])
+        if known.same_face(c):
+            continue  # nothing else connects its ends
         u, v = edges[c].tolist()
         a, b = int(graph.node[u]), int(graph.node[v])
         link = graph.links[a].pop(c), graph.links[b].pop(c)
@@ -356,6 +361,7 @@ def drop_redundant(
             graph.links[a][c], graph.links[b][c] = link
             continue
         keep[s] = False
+        known.join_faces(c)
         known.lead_around(c, users[served], longer[served], by)
         if bounded[c]:
             found.append((c, detour, by))
@@ -413,21 +419,34 @@ class _Witnesses:
         along_tree = along_tree[np.argsort(-walk.edge[along_tree], kind="stable")].reshape(-1, 2)
         self.passes = dict(zip(carved.tree.tolist(), zip(
             along_tree.tolist(), face[tree.edge_face[along_tree]].tolist())))
+        self.face = list(range(len(opens)))  # what each has become part of
         self.cuts = {}  # of the paths that are not the first ones
         self.added = {}  # for each cut, what came to use it
+
+    def same_face(self, c):
+        """Whether the same face of P and S lies on both sides of a cut: then it is a bridge."""
+        one, other = self._faces(c)
+        return one == other
+
+    def join_faces(self, c):
+        """Make the faces on the two sides of a cut one."""
+        one, other = self._faces(c)
+        self.face[max(one, other)] = min(one, other)
+
+    def _faces(self, c):
+        node = int(self.node[c])
+        face = self.face
+        for f in self.passes[c][1] if c in self.passes else (node, int(self.above[node])):
+            while face[f] != f:
+                face[f] = f = face[face[f]]
+            yield f
 
     def users(self, c):
         """The candidates whose path may use a cut, ascending."""
         if c in self.passes:
             (p, q), (one, other) = self.passes[c]
-            if one == other:
-                # the way there and back along an edge of T needs it no more
-                e, within_p = self._within(one, p, p + 1)
-                _, within_q = self._within(one, q, q + 1)
-                found = [e[within_p != within_q]]
-            else:
-                found = [e[within == self.leaf[e]] for e, within in (
-                    self._within(one, p, p + 1), self._within(other, q, q + 1))]
+            found = [e[within == self.leaf[e]] for e, within in (
+                self._within(one, p, p + 1), self._within(other, q, q + 1))]
         else:
             node = int(self.node[c])
             e, within = self._within(int(self.above[node]), int(self.i[c]), int(self.j[c]))

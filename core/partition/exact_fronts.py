@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from array import array
 from math import inf
+from typing import Callable
 
 import numpy as np
 
@@ -16,10 +17,20 @@ from .min_size import SLACK
 __all__ = ["cheapest_by_node"]
 
 MANY = 2000  # pairs of points from which on numpy adds them up faster
+NODES = 1 << 16  # nodes between two checks where each takes about a microsecond
 STEPS = 20_000  # pairs of points, or so, between two checks
 
 
-def cheapest_by_node(count, trees, length, base, weight, limit, room, check):
+def cheapest_by_node(
+    count: np.ndarray,
+    trees: int,
+    length: np.ndarray,
+    base: np.ndarray,
+    weight: np.ndarray,
+    limit: np.ndarray,
+    room: int,
+    check: Callable,
+) -> tuple[np.ndarray, np.ndarray]:
     """Cheapest assignments of trees whose fronts have at most `room` points.
 
     Parameters
@@ -32,7 +43,7 @@ def cheapest_by_node(count, trees, length, base, weight, limit, room, check):
         Length, summed length of the polygon edges just below, weight, longest path allowed.
     room : int
     check : callable
-        Called with the share done; may raise.
+        Called now and then, mostly with the share done; may raise.
 
     Returns
     -------
@@ -45,20 +56,22 @@ def cheapest_by_node(count, trees, length, base, weight, limit, room, check):
     -----
     O(n) calls of a loop that takes 10 microseconds for a node with few points.
     """
-    outside = _shortest_outside(count, trees, length, base)
+    outside = _shortest_outside(count, trees, length, base, check)
     columns = [x.tolist() for x in (count, length, base, weight, limit, outside)]
-    cost, back = _fronts(columns, trees, room, check)
-    cut = _trace(columns[0], cost, *back)
+    cost, (paths, begin, self_at) = _fronts(columns, trees, room, check)
+    cut = _trace(columns[0], cost, paths, begin, self_at, check)
     return np.array(cost), cut
 
 
-def _shortest_outside(count, trees, length, base):
+def _shortest_outside(count, trees, length, base, check):
     """As in `min_weight`, one node at a time."""
     n = len(count)
     count, length, face = count.tolist(), length.tolist(), base.tolist()
     offer, outside = [0.0] * n, [inf] * n
     end = n
     for e in range(n - 1, -1, -1):
+        if e % NODES == 0:
+            check()
         total = 0.0  # not by sum(): it rounds in another way from Python 3.12 on
         for c in range(end - count[e], end):
             total += offer[c]
@@ -67,6 +80,8 @@ def _shortest_outside(count, trees, length, base):
         offer[e] = min(length[e], face[e])
     end = trees
     for e in range(n):
+        if e % NODES == 0:
+            check()
         beyond = min(length[e], outside[e])
         for c in range(end, end + count[e]):
             outside[c] = face[e] - offer[c] + beyond
@@ -88,9 +103,10 @@ def _fronts(columns, trees, room, check):
     for e in range(n - 1, -1, -1):
         end -= count[e]
         below = fronts[end : end + count[e]]
-        fronts[end : end + count[e]] = [None] * count[e]
         if None in below:
             continue  # a front was too long
+        for child in range(end, end + count[e]):
+            fronts[child] = None
         steps += 10 + max(map(_size, below), default=0)
         if steps > STEPS:
             steps = 0
@@ -120,15 +136,30 @@ def _size(front):
     return len(front[0]) + len(front[1])
 
 
-NEUTRAL = [(0.0, 0.0)], []
-
-
 def _add_children(fronts, base, weight, limit, reach, room):
     """Useful sums over the children, in rounds of pairs: offers, demands, and where more than two
     children were added up, the points of the children below the last left and right points.
 
     Each sum is (weight, value, left point, right point). None if a front on the way is too long.
     """
+    if not fronts:
+        return [(0.0, base, 0, 0)], [], None
+    if len(fronts) == 1:  # most nodes of deep trees
+        offer, demand = fronts[0]
+        least = offer[0][0]
+        return (
+            _front([
+                (w, v + base, i, 0)
+                for i, (w, v) in enumerate(offer)
+                if not i or w < least + weight and v + base <= limit
+            ]),
+            _front([
+                (w, v + base, i, 0)
+                for i, (w, v) in enumerate(demand, len(offer))
+                if w < least and v + base <= -reach
+            ]),
+            None,
+        )  # fmt: skip
     ways = [[(k,) for k in range(_size(front))] for front in fronts] if len(fronts) > 2 else None
     while len(fronts) > 2:
         joined, joined_ways = [], []
@@ -142,9 +173,7 @@ def _add_children(fronts, base, weight, limit, reach, room):
             base = 0.0
         odd = len(fronts) & ~1
         fronts, ways = joined + fronts[odd:], joined_ways + ways[odd:]
-    left, right = [*fronts, NEUTRAL, NEUTRAL][:2]
-    if not (left[0] and right[0]):
-        return None
+    left, right = fronts
     least = left[0][0][0] + right[0][0][0]
     offer, demand = _add(*left, *right, base, least, least + weight, limit, reach)
     return offer, demand, ways
@@ -156,45 +185,46 @@ def _add(left_offer, left_demand, right_offer, right_demand, base, least, dear, 
     Offers are useful below the weight `dear` and within the limit, the cheapest always; demands below
     the weight `least`, if what they allow covers the reach.
     """
-    return (
-        _front(_sums(left_offer, right_offer, 0, 0, base, dear, limit, least)),
-        _front(
-            _sums(left_offer, right_demand, 0, len(right_offer), base, least, -reach, None)
-            + _sums(left_demand, right_offer, len(left_offer), 0, base, least, -reach, None)
-        ),
-    )
+    offer = _sums(left_offer, right_offer, 0, 0, base, dear, limit)
+    if not offer or offer[0][2:] != (0, 0):
+        (left_weight, left_value), (weight, value) = left_offer[0], right_offer[0]
+        offer.insert(0, (left_weight + weight, left_value + base + value, 0, 0))
+    demand = []
+    if right_demand:
+        demand += _sums(left_offer, right_demand, 0, len(right_offer), base, least, -reach)
+    if left_demand:
+        demand += _sums(left_demand, right_offer, len(left_offer), 0, base, least, -reach)
+    return _front(offer), _front(demand)
 
 
-def _sums(left, right, i, j, base, weight_cap, value_cap, least):
-    """Sums (weight, value, left point, right point) below the caps, and those of the least weight."""
+def _sums(left, right, i, j, base, weight_cap, value_cap):
+    """Sums (weight, value, left point, right point) below the caps, by their points."""
     if len(left) * len(right) > MANY:
-        return _many_sums(left, right, i, j, base, weight_cap, value_cap, least)
+        return _many_sums(left, right, i, j, base, weight_cap, value_cap)
     sums = []
     for at, (left_weight, left_value) in enumerate(left, i):
         left_value += base
         for partner, (weight, value) in enumerate(right, j):
             weight += left_weight
-            if weight >= weight_cap and weight != least:
+            if weight >= weight_cap:
                 break  # so do all that follow
             value += left_value
-            if value <= value_cap or weight == least:
+            if value <= value_cap:
                 sums.append((weight, value, at, partner))
     return sums
 
 
-def _many_sums(left, right, i, j, base, weight_cap, value_cap, least):
+def _many_sums(left, right, i, j, base, weight_cap, value_cap):
+    """The same without dominated ones, still by their points."""
     left_weight, left_value = np.array(left).T
     right_weight, right_value = np.array(right).T
     weight = left_weight[:, None] + right_weight
     value = (left_value + base)[:, None] + right_value
-    useful = (weight < weight_cap) & (value <= value_cap)
-    if least is not None:
-        useful |= weight == least
-    at, partner = np.nonzero(useful)
-    weight, value = weight[useful], value[useful]
+    at, partner = np.nonzero((weight < weight_cap) & (value <= value_cap))
+    weight, value = weight[at, partner], value[at, partner]
     order = np.lexsort((value, weight))
     best = np.minimum.accumulate(value[order])
-    order = order[np.append(True, best[1:] < best[:-1])] if len(order) else order
+    order = np.sort(order[np.diff(best, prepend=inf) < 0])
     columns = weight[order], value[order], at[order] + i, partner[order] + j
     return list(zip(*(x.tolist() for x in columns)))
 
@@ -252,13 +282,15 @@ def _close(offer, demand, length, weight, limit, outside, root):
     return offers, demands, self_at, sources
 
 
-def _trace(count, cost, paths, begin, self_at):
+def _trace(count, cost, paths, begin, self_at, check):
     """Selected edges of the cheapest assignment of each root."""
     n, trees = len(count), len(cost)
     point = [0 if c < inf else -1 for c in cost] + [-1] * (n - trees)
     cut = np.zeros(n, bool)
     end = trees
     for e in range(n):
+        if e % NODES == 0:
+            check()
         if point[e] >= 0:
             cut[e] = point[e] == self_at[e]
             at = begin[e] + point[e] * count[e]

@@ -26,8 +26,8 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from .dual_tree import DualTree
 from ..progress import ignore
+from .dual_tree import DualTree
 
 __all__ = ["LEAF", "ROOT", "SELF", "Network", "min_size", "network", "witness_lengths"]
 
@@ -57,7 +57,7 @@ class Network(NamedTuple):
     base: np.ndarray
 
     @property
-    def narrow(self):
+    def narrow(self) -> bool:
         """Whether the trees are so deep that scalar loops are faster."""
         return len(self.length) < NARROW * len(self.tree.level_start)
 
@@ -115,7 +115,7 @@ def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = Non
 
 
 def witness_lengths(
-    net: Network, cut: np.ndarray, check: Callable | None = None
+    net: Network, cut: np.ndarray | None, check: Callable | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Lengths of the shortest paths on the two sides of each edge, in P and a set of cuts.
 
@@ -126,7 +126,8 @@ def witness_lengths(
     ----------
     net : Network
     cut : (p + k,) bool
-        The selected nodes; true for the root edges.
+        The selected nodes; true for the root edges. None: every edge may be walked, or the way around
+        it where that is shorter.
     check : callable, optional
         Called now and then; may raise `Cancelled`.
 
@@ -233,38 +234,45 @@ def _sides_by_level(net, cut, check):
         if d % 64 == 0:
             check()
         e, up = levels[d], levels[d - 1]
-        offer = np.where(cut[e], length[e], below[e])
+        offer = _way(cut, e, length[e], below[e])
         below[up] += np.bincount(
             parent[e] - up.start, weights=offer, minlength=up.stop - up.start
         )
-    offer = np.where(cut, length, below)
+    offer = _way(cut, slice(None), length, below)
     above = np.full(len(length), np.inf)
     for d in range(1, len(levels)):
         if d % 64 == 0:
             check()
         e = levels[d]
         up = parent[e]
-        above[e] = below[up] - offer[e] + np.where(cut[up], length[up], above[up])
+        above[e] = below[up] - offer[e] + _way(cut, up, length[up], above[up])
     return below, above
+
+
+def _way(cut, nodes, length, around):
+    """What edges contribute to a path: themselves where they are selected, else the way around."""
+    return np.minimum(length, around) if cut is None else np.where(cut[nodes], length, around)
 
 
 def _sides_by_node(net, cut, check):
     """The same, one node at a time."""
-    parent, length, cut = net.tree.parent.tolist(), net.length.tolist(), cut.tolist()
+    parent, length = net.tree.parent.tolist(), net.length.tolist()
+    shortest = cut is None
+    cut = [False] * len(length) if shortest else cut.tolist()
     below = net.base.tolist()
     n, roots = len(length), net.tree.roots
     above = [np.inf] * n
     for e in range(n - 1, roots - 1, -1):
         if e % 65536 == 0:
             check()
-        below[parent[e]] += length[e] if cut[e] else below[e]
+        below[parent[e]] += length[e] if cut[e] or shortest and length[e] < below[e] else below[e]
     for e in range(roots, n):
         if e % 65536 == 0:
             check()
         up = parent[e]
         above[e] = (
             below[up]
-            - (length[e] if cut[e] else below[e])
-            + (length[up] if cut[up] else above[up])
+            - (length[e] if cut[e] or shortest and length[e] < below[e] else below[e])
+            + (length[up] if cut[up] or shortest and length[up] < above[up] else above[up])
         )
     return np.array(below), np.array(above)

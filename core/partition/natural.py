@@ -26,15 +26,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .polygon import Polygons
 from ..metric import Metric
-from ..rings import following, groups
+from ..rings import following, groups, locate, running
+from .polygon import Polygons
 
-__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "USED", "bends",
-           "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
+__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
+           "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
-KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
+RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
 
 LEVELS = 8  # classes of small detail, each a quarter of the next
 DETAIL = 0.02  # detail below this share of the smallest part is not measured ...
@@ -79,8 +79,11 @@ class Outline(NamedTuple):
         The corners that stay, ascending.
     point : (g, d) float
         Where they are.
-    passed : (g + 1,) float
-        Length of all edges before each of them, in the order of the corners.
+    passed : (g,) float
+        Length of the edges before each of them on its ring.
+    step : (g,) float
+        Length of the edge that leaves each.
+    perimeter : (r,) float
     following : (g,) int
         The next one on the same ring.
     ring_start : (r + 1,) int
@@ -94,6 +97,8 @@ class Outline(NamedTuple):
     corner: np.ndarray
     point: np.ndarray
     passed: np.ndarray
+    step: np.ndarray
+    perimeter: np.ndarray
     following: np.ndarray
     ring_start: np.ndarray
     edge_length: np.ndarray
@@ -117,7 +122,8 @@ def natural(
         Where the vertices are for ``measure.length``: in the plane, or geocentric.
     measure : metric.Metric
     smallest : (p,) float
-        Area of the smallest part of each polygon, in the units of ``measure.equal_area``.
+        Area of the smallest part of each polygon, in the units of ``measure.equal_area`` of
+        ``polygons.xy``; lengths in the result are those of ``position``: neither knows ``unit``.
 
     Returns
     -------
@@ -196,8 +202,7 @@ def shares(
     """
     ring = groups(offsets)
     (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
-    whole = passed[offsets[1:]] - passed[offsets[:-1]]  # the hole's are negative
+    passed, whole = running((x * y2 - x2 * y) / 2.0, offsets)  # the hole's are negative
     area = whole[polygon_offsets[:-1]]
     u, v = corner.T
     side = passed[v] - passed[u] + (x[v] * y[u] - x[u] * y[v]) / 2.0
@@ -265,17 +270,19 @@ def generalised(
     edge = np.where(edge < start[ring], start[ring + 1] - 1, edge)
     whole = np.bincount(edge, weights=edge_length, minlength=len(here))
     new_length = edge_length * (step / whole)[edge]
-    passed = np.append(0.0, np.cumsum(new_length))
-    along = passed[:-1] - passed[here[start[:-1]]][ring]
-    perimeter = (passed[offsets[1:]] - passed[offsets[:-1]])[ring]
+    along, perimeter = running(new_length, offsets)
+    along = along - along[here[start[:-1]]][ring]
+    passed, around = running(step, start)
     return Outline(
         corner=here,
         point=at,
-        passed=np.append(0.0, np.cumsum(step)),
+        passed=passed,
+        step=step,
+        perimeter=around,
         following=after,
         ring_start=start,
         edge_length=new_length,
-        along=np.where(along < 0.0, along + perimeter, along),
+        along=np.where(along < 0.0, along + perimeter[ring], along),
     )
 
 
@@ -321,7 +328,7 @@ def bends(
     """
     where = outline.along[corner]
     rings = ring[corner]
-    perimeter = outline.passed[outline.ring_start[1:]] - outline.passed[outline.ring_start[:-1]]
+    perimeter = outline.perimeter
     reach = np.minimum(REACH * length[:, None], perimeter[rings] / 4.0)
     at, before, after = (_at(outline, rings, where + d) for d in (0.0, -reach, reach))
     return _bend(at, before, after)
@@ -535,8 +542,8 @@ def _way(begin, end, after):
 def _outline_terms(plane, offsets, places, after):
     """Shoelace terms of the outline from each place to the one after it."""
     (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    passed = np.append(0.0, np.cumsum(x * y2 - x2 * y)) / 2.0
-    whole = np.repeat(passed[offsets[1:]] - passed[offsets[:-1]], np.diff(offsets))
+    passed, whole = running((x * y2 - x2 * y) / 2.0, offsets)
+    whole = np.repeat(whole, np.diff(offsets))
     term = passed[places[after]] - passed[places]
     return np.where(places[after] <= places, term + whole[places], term)
 
@@ -560,13 +567,10 @@ def _every_second(small, start):
 
 def _at(outline, ring, where):
     """Points at distances along generalised rings."""
-    begin = outline.passed[outline.ring_start[:-1]]
-    perimeter = outline.passed[outline.ring_start[1:]] - begin
     ring = np.broadcast_to(ring.reshape(ring.shape + (1,) * (where.ndim - ring.ndim)), where.shape)
-    passed = np.mod(where, perimeter[ring]) + begin[ring]
-    edge = np.searchsorted(outline.passed, passed, side="right") - 1
-    edge = np.clip(edge, outline.ring_start[ring], outline.ring_start[ring + 1] - 1)
-    share = (passed - outline.passed[edge]) / np.diff(outline.passed)[edge]
+    passed = np.mod(where, outline.perimeter[ring])
+    edge = locate(outline.passed, outline.perimeter, outline.ring_start, ring, passed)
+    share = np.clip((passed - outline.passed[edge]) / outline.step[edge], 0.0, 1.0)
     here, there = outline.point[edge], outline.point[outline.following[edge]]
     return here + (there - here) * share[..., None]
 

@@ -15,11 +15,13 @@ what becomes of a front is the same, to the last bit, whatever stands beside it.
 
 from __future__ import annotations
 
+from typing import Callable, Iterator
+
 import numpy as np
 
 __all__ = [
     "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
-    "offsets", "pack", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
+    "offsets", "pack", "pair_count", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
 ]  # fmt: skip
 
 CHUNK = 1 << 18  # pairs of points handled in one numpy call
@@ -47,17 +49,17 @@ class Front:
         self.left, self.right, self.cut = left, right, cut
         self.rest = self.floor = self._key = self._least = None
 
-    def segments(self):
+    def segments(self) -> np.ndarray:
         """Segment of every point."""
         return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
 
-    def take(self, points, segments):
+    def take(self, points: np.ndarray, segments: np.ndarray) -> Front:
         """Sub-front of some points (ascending) that lie in the given segments."""
         ptr = offsets(np.bincount(segments, minlength=len(self.ptr) - 1))
         pick = [None if x is None else x[points] for x in (self.left, self.right, self.cut)]
         return Front(ptr, self.weight[points], self.value[points], *pick)
 
-    def of_edges(self, edges):
+    def of_edges(self, edges: np.ndarray) -> Front:
         """The values and rests of some edges (ascending) only."""
         segments = np.repeat(2 * edges, 2)
         segments[1::2] += 1
@@ -67,19 +69,21 @@ class Front:
         part.rest, part.floor = self.rest[points], self.floor[edges]
         return part
 
-    def with_neutral(self):
+    def with_neutral(self) -> Front:
         """With an edge more that offers nothing at no cost: the partner of an unpaired child."""
         ptr = np.append(self.ptr, [self.ptr[-1] + 1] * 2)
         return Front(ptr, np.append(self.weight, 0.0), np.append(self.value, 0.0))
 
-    def cheapest(self):
+    def cheapest(self) -> np.ndarray:
         """Weight of each edge's cheapest offer; inf if there is none."""
         least = np.full(len(self.ptr) >> 1, np.inf)
         some = np.flatnonzero(self.ptr[1::2] > self.ptr[:-1:2])
         least[some] = self.weight[self.ptr[2 * some]]
         return least
 
-    def rest_at(self, segment, value, rounded=False):
+    def rest_at(
+        self, segment: np.ndarray, value: np.ndarray, rounded: bool | np.ndarray = False
+    ) -> np.ndarray:
         """Bound on the rest for arbitrary values: that of the first point at least as good.
 
         Where no point is as good, the better ones were dropped as hopeless. A demand may also have
@@ -99,7 +103,7 @@ class Front:
         rest[missing] = np.where(rounded | (edge & 1 == 1), self.floor[edge >> 1], np.inf)
         return rest
 
-    def forget_index(self):
+    def forget_index(self) -> None:
         """Free what `rest_at` keeps to be fast."""
         self._key = self._least = None
 
@@ -120,12 +124,12 @@ class Join:
         self.front, self.left, self.right, self.base = front, left, right, base
 
 
-def offsets(count):
+def offsets(count: np.ndarray) -> np.ndarray:
     """0 and the running sums."""
     return np.concatenate(([0], np.cumsum(count)))
 
 
-def pack(major, minor):
+def pack(major: np.ndarray, minor: np.ndarray) -> np.ndarray:
     """Key that numpy sorts and minimises by (major, minor), exactly: complex is lexicographic."""
     key = np.empty(len(minor), complex)
     key.real = major
@@ -133,20 +137,22 @@ def pack(major, minor):
     return key
 
 
-def ranges(start, count):
+def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
     """start[0], start[0]+1, ... (count[0] numbers), start[1], ..."""
     end = np.cumsum(count)
     total = int(end[-1]) if len(end) else 0
     return np.arange(total) + np.repeat(start - end + count, count)
 
 
-def pareto(segment, weight, value):
+def pareto(
+    seg: np.ndarray, weight: np.ndarray, value: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Points that no other of the same segment dominates, sorted by (segment, weight).
 
-    Of equal points the first remains. O(N log N). Returns their positions and segments.
+    Segments must ascend. Of equal points the first remains. O(N log N). Returns positions and segments.
     """
-    order = np.argsort(pack(segment, weight), kind="stable")
-    seg, val = segment[order], value[order]
+    order = np.argsort(pack(seg, weight), kind="stable")
+    val = value[order]
     # the major key falls from segment to segment, so the running minimum restarts by itself
     best = np.minimum.accumulate(pack(-seg, val)).imag
     keep = np.ones(len(order), bool)
@@ -158,40 +164,51 @@ def pareto(segment, weight, value):
     return order[keep], seg[keep]
 
 
-def sizes(front, left, right):
+def sizes(
+    front: Front, left: np.ndarray, right: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Numbers of points: offer and demand of the left, offer and demand of the right."""
     size = np.diff(front.ptr)
     return size[2 * left], size[2 * left + 1], size[2 * right], size[2 * right + 1]
 
 
-def pair_count(front, left, right):
+def pair_count(front: Front, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Number of pairs of points that can be added up, for each left and right edge."""
     offer_l, demand_l, offer_r, demand_r = sizes(front, left, right)
     return offer_l * (offer_r + demand_r) + demand_l * offer_r
 
 
-def small_pairs(front, left, right, items):
-    """All pairs of points of the given items, in chunks: item, is it a demand, point, point."""
-    offer_l, demand_l, offer_r, demand_r = sizes(front, left[items], right[items])
-    total = np.cumsum(offer_l * (offer_r + demand_r) + demand_l * offer_r)
+def small_pairs(
+    front: Front, left: np.ndarray, right: np.ndarray, items: np.ndarray
+) -> Iterator[tuple]:
+    """All pairs of points of the given items, in chunks: are they demands, and rows and pairs.
+
+    A row is a point of a left edge with all points of the right one that it can be added to. Rows:
+    item and point; pairs: row and right point. Of each item the first pair is that of the cheapest
+    points.
+    """
+    total = np.cumsum(pair_count(front, left[items], right[items]))
     a = 0
     while a < len(items):
         done = total[a - 1] if a else 0
         b = max(a + 1, int(np.searchsorted(total, done + CHUNK, "right")))
-        it = items[a:b]
-        points = offer_l[a:b] + demand_l[a:b]
-        own = np.repeat(np.arange(a, b), points)
-        i = ranges(front.ptr[2 * left[it]], points)
-        demand = i >= front.ptr[2 * left[items[own]] + 1]
-        partners = np.where(demand, offer_r[own], offer_r[own] + demand_r[own])
-        j = ranges(front.ptr[2 * right[items[own]]], partners)
-        item = items[np.repeat(own, partners)]
-        demand = np.repeat(demand, partners) | (j >= front.ptr[2 * right[item] + 1])
-        yield item, demand, np.repeat(i, partners), j
+        of = items[a:b]
+        start, size = front.ptr, np.diff(front.ptr)
+        offer, other = 2 * left[of], 2 * right[of]
+        for demand in (False, True):
+            points = size[offer] + size[offer + 1] if demand else size[offer]
+            own = np.repeat(np.arange(len(of)), points)
+            i = ranges(start[offer], points)
+            # a demand on the left is met by offers on the right, and the other way round
+            to = other[own] + (demand & (i < start[offer[own] + 1]))
+            some = np.flatnonzero(size[to])
+            own, i, to = own[some], i[some], to[some]
+            partners = size[to]
+            yield demand, of[own], i, np.repeat(np.arange(len(i)), partners), ranges(start[to], partners)
         a = b
 
 
-def blocks(front, left, right):
+def blocks(front: Front, left: int, right: int) -> Iterator[tuple[int, slice, slice]]:
     """The three products of one item: is it a demand, points of the left, points of the right."""
     offer_l, demand_l, offer_r, demand_r = (
         slice(front.ptr[s], front.ptr[s + 1])
@@ -204,7 +221,10 @@ def blocks(front, left, right):
                 yield demand, slice(a, min(a + rows, x.stop)), y
 
 
-def dense_pairs(front, left, right, base, value_cap, weight_cap, least, check):
+def dense_pairs(
+    front: Front, left: int, right: int, base: float, value_cap: np.ndarray, weight_cap: np.ndarray,
+    check: Callable,
+) -> list[np.ndarray]:
     """Useful sums of one item with many pairs: is it a demand, point, point, weight, value."""
     parts = []
     for demand, x, y in blocks(front, left, right):
@@ -214,7 +234,7 @@ def dense_pairs(front, left, right, base, value_cap, weight_cap, least, check):
         useful &= weight < weight_cap[demand]
         value = vx[:, None] + vy
         useful &= value <= value_cap[demand]
-        if not demand and weight[0, 0] == least:
+        if not demand and x.start == front.ptr[2 * left]:
             useful[0, 0] = True
         k = np.flatnonzero(useful)
         i, j = np.divmod(k, len(wy))
@@ -247,7 +267,9 @@ def _undominated(wx, vx, wy, vy):
     return vx[:, None] + vy <= best[cell + 1], weight
 
 
-def first_points(node, points, weight, n):
+def first_points(
+    node: np.ndarray, points: np.ndarray, weight: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Weight and position of each node's first one of some points (ascending); inf and 0 if none."""
     nodes = node[points]
     at = np.flatnonzero(np.diff(nodes, prepend=-1))
@@ -257,7 +279,10 @@ def first_points(node, points, weight, n):
     return best, where
 
 
-def assemble(whole, keep, seg, value, own, root=None):
+def assemble(
+    whole: Front, keep: np.ndarray, seg: np.ndarray, value: np.ndarray, own: tuple,
+    root: tuple | None = None,
+) -> Front:
     """Fronts of the points to keep, with SELF behind the offers and full ROOT behind the demands.
 
     `own` and `root` are (for which nodes, weight, value, point of `whole` below it).
@@ -283,7 +308,10 @@ def assemble(whole, keep, seg, value, own, root=None):
     return Front(ptr, weights, values, whole.left[source], whole.right[source], cut)
 
 
-def groups(front, long, allowed, base, slack=None):
+def groups(
+    front: Front, long: np.ndarray, allowed: np.ndarray, base: np.ndarray,
+    slack: np.ndarray | None = None,
+) -> np.ndarray:
     """First point of every group of long fronts; points of the other fronts are groups of their own.
 
     The groups are steps of equal length along the (normalised) front, finer where the slack is
@@ -326,7 +354,7 @@ def groups(front, long, allowed, base, slack=None):
     return np.flatnonzero(head)
 
 
-def tabulated(rest, segment, vx, vy):
+def tabulated(rest: Callable, segment: int, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
     """Rest of all sums of vx and vy, rounded down to the lower end of a cell of a table."""
     value = vx[:, None] + vy
     low = value[-1, -1]  # values descend

@@ -7,7 +7,7 @@ falls apart into a shell and holes.
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple
+from typing import Callable, Iterator, NamedTuple
 
 import numpy as np
 import shapely
@@ -17,7 +17,7 @@ from .carving import Walk
 from .dual_tree import build_tree
 from .polygon import Polygons
 
-__all__ = ["Parts", "build_parts"]
+__all__ = ["Parts", "build_parts", "merged_parts"]
 
 _CUT = np.iinfo(np.int64).min
 
@@ -81,6 +81,135 @@ def build_parts(
     O(n), but for a sort of n + 2 |S| integers. Parts tile the polygon by construction: each
     half-edge of P and S is used exactly once.
     """
+    faces = _faces(polygons, walk, selected, tree)
+    roots, below, above, is_cut = len(polygons.unit), faces.below, faces.above, faces.is_cut
+    count = roots + len(below)
+    order = np.argsort(faces.face * len(walk.corner) + faces.place, kind="stable")
+    place, edge = faces.place[order], faces.edge[order]
+    bounds = np.searchsorted(faces.face[order], np.arange(count + 1))
+
+    owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
+    free, target = _free_holes(polygons, walk, faces.polygon, owner, corners, offsets)
+    owner, corners, offsets = _with_holes(polygons, owner, corners, offsets, free, target)
+    xy = equal_area(polygons.xy)
+    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets),
+                       minlength=count)
+    area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
+    polygon = faces.polygon
+    order = np.lexsort((np.arange(count), -area, polygon))
+    rank = np.empty(count, dtype=np.int64)
+    rank[order] = np.arange(count)
+
+    sides = np.empty((len(selected), 2), dtype=np.int64)
+    sides[is_cut] = np.column_stack((rank[below], rank[above]))
+    if len(tree):
+        sides[~is_cut] = rank[_faces_of_tree(walk, faces.face[:len(walk.corner)], np.searchsorted(
+            tree, selected[~is_cut]))]
+    unit = polygons.unit[polygon[order]]
+    with np.errstate(over="ignore"):
+        area = area[order] * unit * unit
+    rows, offsets, ring_offsets = _rows(polygons, rank[owner], corners, offsets, count, polygon[owner])
+    return Parts(rows, offsets, ring_offsets,
+                 offsets_of(np.bincount(polygon, minlength=roots)), area, sides)
+
+
+def merged_parts(
+    polygons: Polygons, walk: Walk, selected: np.ndarray, tree: np.ndarray, parts: Parts,
+    pieces: np.ndarray, offsets: np.ndarray, most: int = 2_000_000,
+) -> Iterator:
+    """Yield what `build_parts` makes of unions of parts, without the cuts between their pieces.
+
+    Parameters
+    ----------
+    polygons, walk, selected, tree
+        See `build_parts`.
+    parts : Parts
+        What it made of these.
+    pieces : (k,) int
+        The parts that make up each union; these must hang together by cuts.
+    offsets : (u + 1,) int
+        Where the pieces of each union start.
+    most : int
+        Half-edges that are worked on at once, or those of one union: a body may come again and again.
+
+    Yields
+    ------
+    rows, offsets, ring_offsets
+        Of the next unions, as in `Parts`.
+
+    Notes
+    -----
+    O(n) and a sort of the half-edges of all unions, pieces counted as often as they are in one.
+    """
+    faces = _faces(polygons, walk, selected, tree)
+    m, roots, below = len(walk.corner), len(polygons.unit), faces.below
+    number = parts.part_offsets[:-1]  # the part of each face
+    number = np.append(number, np.empty(len(below), dtype=np.int64))
+    cut_sides = parts.sides[faces.is_cut]
+    number[below], number[faces.above] = cut_sides[:, 0], cut_sides[:, 1]
+    part = number[faces.face]
+    order = np.argsort(part, kind="stable")
+    start = np.searchsorted(part[order], np.arange(len(number) + 1))
+    # each cut is two half-edges; the walk's own edges are none
+    cut = np.append(np.full(m, -1), np.tile(np.arange(len(below)), 2))
+    polygon_of_part = np.repeat(np.arange(roots), np.diff(parts.part_offsets))
+
+    by_face = np.argsort(faces.face * m + faces.place, kind="stable")
+    finest = _rings(
+        polygons, walk, np.searchsorted(faces.face[by_face], np.arange(len(number) + 1)),
+        faces.place[by_face], faces.edge[by_face],
+    )
+    free, target = _free_holes(polygons, walk, faces.polygon, *finest)
+    by_target = np.argsort(number[target], kind="stable")
+    free_start = np.searchsorted(number[target[by_target]], np.arange(len(number) + 1))
+
+    size = np.add.reduceat(np.diff(start)[pieces], offsets[:-1]) if len(pieces) else offsets[:0]
+    total = np.cumsum(size)
+    lo = 0
+    while lo < len(size):
+        hi = max(int(np.searchsorted(total, total[lo] - size[lo] + most, side="right")), lo + 1)
+        own = pieces[offsets[lo]:offsets[hi]]
+        union = np.repeat(np.arange(hi - lo), np.diff(offsets[lo:hi + 1]))
+        index, its = take(start, own)
+        half, of = order[index], np.repeat(union, np.diff(its))
+        # a cut with both half-edges in a union is inside
+        sides = np.flatnonzero(cut[half] >= 0)
+        key = of[sides] * len(below) + cut[half[sides]]
+        _, which, times = np.unique(key, return_inverse=True, return_counts=True)
+        kept = np.ones(len(half), dtype=bool)
+        kept[sides[times[which] == 2]] = False
+        half, of = half[kept], of[kept]
+        along = np.argsort(of * m + faces.place[half], kind="stable")
+        half, of = half[along], of[along]
+        owner, corners, rings = _rings(
+            polygons, walk, np.searchsorted(of, np.arange(hi - lo + 1)), faces.place[half],
+            faces.edge[half],
+        )
+        index, its = take(free_start, own)
+        owner, corners, rings = _with_holes(
+            polygons, owner, corners, rings, free[by_target[index]], np.repeat(union, np.diff(its))
+        )
+        polygon = polygon_of_part[pieces[offsets[lo:hi]]]
+        yield _rows(polygons, owner, corners, rings, hi - lo, polygon[owner])
+        lo = hi
+
+
+class _Faces(NamedTuple):
+    """The half-edges of all faces: the walk's own, each cut on its way up (i to j), and on its way back.
+
+    A cut has the face below it and that above it; the faces are the roots, then those below the cuts.
+    """
+
+    is_cut: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    polygon: np.ndarray
+    face: np.ndarray
+    place: np.ndarray
+    edge: np.ndarray
+
+
+def _faces(polygons, walk, selected, tree):
     m, roots = len(walk.corner), len(polygons.unit)
     is_cut = ~np.isin(selected, tree) if len(tree) else np.ones(len(selected), dtype=bool)
     cuts = selected[is_cut]
@@ -90,39 +219,17 @@ def build_parts(
     below = np.empty(len(cuts), dtype=np.int64)
     below[faces.diagonal] = np.arange(roots, count)
     above = faces.parent[below]
-
-    # half-edges: the walk's own, each cut on its way up (i to j), each cut on its way back
-    face = np.concatenate((faces.edge_face, above, below))
-    place = np.concatenate((np.arange(m), i, j))
-    edge = np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT)))
-    order = np.argsort(face * m + place, kind="stable")
-    face, place, edge = face[order], place[order], edge[order]
-    bounds = np.searchsorted(face, np.arange(count + 1))
-
-    owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
-    owner, corners, offsets = _add_free_holes(polygons, walk, owner, corners, offsets, i, j, below)
-    xy = equal_area(polygons.xy)
-    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets),
-                       minlength=count)
-    area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
-    polygon = np.arange(count)  # of each face
+    polygon = np.arange(count)
     polygon[below] = groups(walk.offsets)[i]
-    order = np.lexsort((np.arange(count), -area, polygon))
-    rank = np.empty(count, dtype=np.int64)
-    rank[order] = np.arange(count)
-
-    sides = np.empty((len(selected), 2), dtype=np.int64)
-    sides[is_cut] = np.column_stack((rank[below], rank[above]))
-    if len(tree):
-        sides[~is_cut] = rank[_faces_of_tree(walk, faces.edge_face, np.searchsorted(
-            tree, selected[~is_cut]))]
-    unit = polygons.unit[polygon[order]]
-    with np.errstate(over="ignore"):
-        area = area[order] * unit * unit
-    rows, offsets, ring_offsets = _rows(polygons, rank[owner], corners, offsets, count,
-                                        polygon[owner])
-    return Parts(rows, offsets, ring_offsets,
-                 offsets_of(np.bincount(polygon, minlength=roots)), area, sides)
+    return _Faces(
+        is_cut,
+        below,
+        above,
+        polygon,
+        face=np.concatenate((faces.edge_face, above, below)),
+        place=np.concatenate((np.arange(m), i, j)),
+        edge=np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT))),
+    )
 
 
 def _rings(polygons, walk, bounds, place, edge):
@@ -145,15 +252,13 @@ def _rings(polygons, walk, bounds, place, edge):
     return owner, corner[~needless], offsets_of(kept)
 
 
-def _add_free_holes(polygons, walk, owner, corners, offsets, i, j, below):
-    """Put the rings that the walks leave out into the parts that contain them."""
+def _free_holes(polygons, walk, polygon_of, owner, corners, offsets):
+    """The rings that the walks leave out, and the face that contains each."""
     walked = np.zeros(len(polygons.offsets) - 1, dtype=bool)
     walked[polygons.ring_of_corner[walk.corner]] = True
     free = np.flatnonzero(~walked)
     if not len(free):
-        return owner, corners, offsets
-    polygon_of = np.arange(len(polygons.unit) + len(below))  # of a face
-    polygon_of[below] = groups(walk.offsets)[i]
+        return free, free
     ring_polygon = polygon_of[owner]
     by_polygon = np.argsort(ring_polygon, kind="stable")
     bounds = np.searchsorted(ring_polygon[by_polygon], np.arange(len(polygons.unit) + 1))
@@ -174,6 +279,13 @@ def _add_free_holes(polygons, walk, owner, corners, offsets, i, j, below):
         order = np.lexsort((size[around], inside))
         first = order[np.diff(inside[order], prepend=-1) != 0]
         target[holes[inside[first]]] = owner[ring[is_shell][around[first]]]
+    return free, target
+
+
+def _with_holes(polygons, owner, corners, offsets, free, target):
+    """Put rings that the walks leave out into the faces that contain them."""
+    if not len(free):
+        return owner, corners, offsets
     index, sizes = take(polygons.offsets, free)
     kept = ~polygons.inserted[index]
     return (

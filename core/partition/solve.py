@@ -14,7 +14,7 @@ import numpy as np
 from .. import metric
 from ..errors import Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, following, groups, one_polygon
+from ..rings import Rings, one_polygon, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
@@ -22,6 +22,7 @@ from .dilation import at_least_one, boundary_graph, detours, drop_redundant, lar
 from .dual_tree import build_tree
 from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
+from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
 from .polygon import Polygons, from_rings
 
@@ -50,11 +51,25 @@ class Prepared(NamedTuple):
         Candidate edges and edges of T; those of a polygon stand together.
     owner : (k,) int
         The polygon of each.
-    length, detour : (k,) float
+    chord : (k,) float
+        Straight length of each edge.
+    length : (k,) float
+        What the solver takes for it: the chord, or the way along the generalised outline where that is
+        shorter, so that these lengths keep the triangle inequality.
+    detour : (k,) float
+        Dilation in P.
+    share : (k,) float
+        Area of the smaller side, as a share of the polygon's; NaN where it was not measured, or where a
+        diagonal joins two rings.
     bounded : (k,) bool
         The candidates proper: an edge of T shorter than the least length is none.
     edge_length : (c,) float
-        Length of the polygon edge that leaves each corner.
+        Length of the polygon edge that leaves each corner, on the generalised outline if there is one.
+    generalised : bool
+        Whether there is one.
+    set_aside : (q, 5) int
+        For each input polygon, how many diagonals each rule of `natural` kept (the first column) or set
+        aside.
     carved : Carved
     lines : list of Lines, or None
         What became of the lines given as candidates, for each input polygon (None where it is invalid).
@@ -69,10 +84,14 @@ class Prepared(NamedTuple):
     wanted: np.ndarray
     edges: np.ndarray
     owner: np.ndarray
+    chord: np.ndarray
     length: np.ndarray
     detour: np.ndarray
+    share: np.ndarray
     bounded: np.ndarray
     edge_length: np.ndarray
+    generalised: bool
+    set_aside: np.ndarray
     carved: Carved
     lines: list[Lines] | None
     edge_line: np.ndarray | None
@@ -155,9 +174,11 @@ class Partition(NamedTuple):
     edge_rows : (k, 2) int
         Input rows at these ends.
     length : (k,) float
-        In units of the metric.
+        Straight length, in units of the metric.
     detour : (k,) float
         Dilation in P before any cut; infinite where only a cut connects the ends.
+    share
+        See `Prepared`.
     dilation : (k,) float or None
         Dilation in P and S, if it was asked for.
     largest_dilation : (p,) float
@@ -180,6 +201,7 @@ class Partition(NamedTuple):
     edge_rows: np.ndarray
     length: np.ndarray
     detour: np.ndarray
+    share: np.ndarray
     dilation: np.ndarray | None
     largest_dilation: np.ndarray | float
     cost: np.ndarray | float
@@ -195,6 +217,8 @@ def partition(
     offsets: np.ndarray,
     tau: float = 4.0,
     *,
+    natural: bool = False,
+    smallest: float = 0.0,
     min_length: float = 0.0,
     min_hole: float = 0.0,
     lines: np.ndarray | None = None,
@@ -217,6 +241,11 @@ def partition(
         Ring i is ``coords[offsets[i]:offsets[i + 1]]``.
     tau : float
         Largest dilation allowed for each candidate edge, at least 1.
+    natural : bool
+        Whether only those diagonals are candidates where people would cut (see `natural.natural`).
+    smallest : float
+        Area of the smallest part: smaller ones are not cut off, smaller holes do not count, and detail
+        of the outline that is much smaller is not measured.
     min_length : float
         Candidates shorter than this are dropped (section 4.2 of the paper); a hole may still be
         connected by one.
@@ -231,7 +260,7 @@ def partition(
         See `triangulation.triangulate`.
     weigh : callable, optional
         Weighs the candidates for MinWeight: called with the prepared polygon, it returns (k,)
-        weights >= 0; ``lambda prepared: prepared.length`` gives MinLength. Default: MinSize.
+        weights >= 0; ``lambda prepared: prepared.chord`` gives MinLength. Default: MinSize.
     max_gap, time_limit : float
         See `select`.
     all_dilations : bool
@@ -261,11 +290,13 @@ def partition(
     >>> rooms = np.array([[0, 0], [10, 0], [10, 4.5], [12, 4.5], [12, 0], [22, 0], [22, 10], [12, 10],
     ...                   [12, 5.5], [10, 5.5], [10, 10], [0, 10]])
     >>> partition(rooms, [0, 12], tau=4).parts.area
-    array([102., 100.])
+    array([100., 100.,   2.])
     """
     check = checker(progress, cancelled)
     prepared = prepare(
         one_polygon(coords, offsets),
+        natural=natural,
+        smallest=smallest,
         min_length=min_length,
         min_hole=min_hole,
         lines=None if lines is None else [lines],
@@ -287,15 +318,17 @@ def partition(
     result = finish(prepared, selection, all_dilations=all_dilations, check=stretch(check, 0.9, 1.0))
     check(1.0)
     return result._replace(
-        largest_dilation=float(result.largest_dilation[0]),
-        cost=float(result.cost[0]),
-        lower_bound=float(result.lower_bound[0]),
+        largest_dilation=float(np.asarray(result.largest_dilation)[0]),
+        cost=float(np.asarray(result.cost)[0]),
+        lower_bound=float(np.asarray(result.lower_bound)[0]),
     )
 
 
 def prepare(
     rings: Rings,
     *,
+    natural: bool = False,
+    smallest: float | np.ndarray = 0.0,
     min_length: float | np.ndarray = 0.0,
     min_hole: float | np.ndarray = 0.0,
     lines: list | None = None,
@@ -308,7 +341,9 @@ def prepare(
     Parameters
     ----------
     rings : Rings
-    min_length, min_hole : float, or (q,) float
+    natural : bool
+        See `partition`. Lines given as candidates are taken as they are.
+    smallest, min_length, min_hole : float, or (q,) float
         For all polygons or each; see `partition`.
     lines : list of (l, 2, 2) float, optional
         For each polygon the candidates to use; see `partition`.
@@ -328,26 +363,42 @@ def prepare(
     measure = measure or metric.planar()
     check(0.0)
     polygons, verdict = from_rings(rings)
-    min_length, min_hole = (
-        np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in (min_length, min_hole)
+    smallest, min_length, min_hole = (
+        np.broadcast_to(np.asarray(x, dtype=float), len(verdict))
+        for x in (smallest, min_length, min_hole)
     )
+    min_hole = np.maximum(min_hole, smallest)
+    generalise = lines is None and (natural or bool((smallest > 0.0).any()))
     check(0.15)
     component, wanted, attachable = _components(polygons, measure, min_hole)
+    set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
+    accepted = None
+    more: dict[str, np.ndarray] = {}  # what else belongs to the edges
     if lines is None:
-        accepted = edge_line = None
-        edges, problem = from_triangulation(
+        found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
+            smallest=smallest[polygons.number] if generalise else None,
             check=stretch(check, 0.15, 0.7),
         )
+        edges, problem, outline = found.edges, found.verdict, found.edge_length
+        chosen = np.ones(len(edges), dtype=bool)
+        if generalise:
+            chosen = found.why == KEPT if natural else found.why != SMALL
+            number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
+            np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
+            more["share"] = found.share
         verdict[polygons.number] = problem
-        if (problem != "").any():
-            polygons, edges, _ = _kept(polygons, problem == "", edges, None)
-            component, wanted, attachable = _components(polygons, measure, min_hole)
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
+        problem, outline, chosen = np.full(len(polygons.unit), "", dtype=object), None, True
+        more["edge_line"] = edge_line
+    more["chosen"] = np.broadcast_to(chosen, len(edges))
     check(0.7)
 
     while True:
+        if (problem != "").any():  # go on without the polygons that cannot be solved
+            polygons, edges, outline, more = _kept(polygons, problem == "", edges, outline, more)
+            component, wanted, attachable = _components(polygons, measure, min_hole)
         owner = polygons.polygon_of_vertex[edges[:, 0]]
         unit = polygons.unit[owner]
         position = measure.positions(polygons.xy)
@@ -357,17 +408,19 @@ def prepare(
         tree, apart = spanning_tree(polygons, component, edges[joining], length[joining], wanted)
         tree = joining[tree]
         length = length * unit
-        bounded = kept & (length >= min_length[polygons.number][owner])
+        bounded = kept & more["chosen"] & (length >= min_length[polygons.number][owner])
         needed = bounded | _mask(tree, len(edges))
         if not needed.all():
             edges, length, bounded, owner = (x[needed] for x in (edges, length, bounded, owner))
             tree = np.searchsorted(np.flatnonzero(needed), tree)
-            edge_line = None if edge_line is None else edge_line[needed]
+            more = {name: x[needed] for name, x in more.items()}
         problem = _connection_problems(polygons, component, wanted, apart)
         if not (problem != "").any():
             edge_length = measure.length(
                 position, polygons.vertex, polygons.vertex[polygons.next_corner]
             ) * np.repeat(polygons.unit, np.diff(polygons.corner_offsets))
+            if generalise:
+                edge_length = np.where(np.isnan(outline), edge_length, outline)
             prepared = Prepared(
                 polygons=polygons,
                 verdict=verdict,
@@ -376,22 +429,26 @@ def prepare(
                 wanted=wanted,
                 edges=edges,
                 owner=owner,
+                chord=length,
                 length=length,
-                detour=detours(polygons, edge_length, edges, length),
+                detour=None,
+                share=more.get("share", np.full(len(edges), np.nan)),
                 bounded=bounded,
                 edge_length=edge_length,
-                carved=None,
+                generalised=generalise,
+                set_aside=set_aside,
+                carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
-                edge_line=edge_line,
+                edge_line=more.get("edge_line"),
             )
             carved, ambiguous = _carve(prepared, tree)
             if not ambiguous.any():
-                return prepared._replace(carved=carved)
+                if generalise:
+                    prepared, carved = _metric(prepared, carved)
+                detour = detours(polygons, edge_length, edges, prepared.length)
+                return prepared._replace(carved=carved, detour=detour)
             problem = np.where(ambiguous, AMBIGUOUS, "").astype(object)
-        # once more without the polygons whose rings cannot be connected
         verdict[polygons.number] = problem
-        polygons, edges, edge_line = _kept(polygons, problem == "", edges, edge_line)
-        component, wanted, attachable = _components(polygons, measure, min_hole)
 
 
 @np.errstate(over="ignore")  # a tau of 1e300 is as good as none
@@ -450,7 +507,7 @@ def select(
     selected = np.sort(np.append(carved.tree, carved.node_edge[cut[count:]]))
     check(0.8)
     if prepared.with_holes.any():
-        price = prepared.length if weight is None else weight
+        price = prepared.chord if weight is None else weight
         selected = _without_redundant(prepared, selected, tau, price, check)
         if weight is not None:
             # which cuts turn out to be redundant is a matter of luck: never end up dearer
@@ -507,8 +564,9 @@ def finish(
         edges=prepared.edges,
         owner=prepared.owner,
         edge_rows=prepared.edge_rows,
-        length=prepared.length,
+        length=prepared.chord,
         detour=prepared.detour,
+        share=prepared.share,
         dilation=dilation,
         largest_dilation=largest,
         cost=selection.cost,
@@ -552,13 +610,31 @@ def _from_lines(polygons, lines, count):
     return accepted, np.concatenate(edges), np.concatenate(edge_line)
 
 
-def _kept(polygons, good, edges, edge_line):
-    """Some of the polygons, with their edges and the lines of these."""
-    polygons, vertex = polygon_stage.select(polygons, np.flatnonzero(good))
-    number = np.full(max(edges.max(initial=-1), vertex.max(initial=-1)) + 1, -1)
+def _kept(polygons, good, edges, outline, more):
+    """Some of the polygons, with their edges, outlines, and what belongs to the edges."""
+    which = np.flatnonzero(good)
+    if outline is not None:
+        outline = outline[take(polygons.corner_offsets, which)[0]]
+    number = np.full(len(polygons.xy), -1)
+    polygons, vertex = polygon_stage.select(polygons, which)
     number[vertex] = np.arange(len(vertex))
     kept = number[edges[:, 0]] >= 0
-    return polygons, number[edges[kept]], None if edge_line is None else edge_line[kept]
+    return polygons, number[edges[kept]], outline, {name: x[kept] for name, x in more.items()}
+
+
+def _metric(prepared, carved):
+    """Lengths of the edges that keep the triangle inequality though the outline got shorter.
+
+    A chord may be longer than the generalised outline beside it. The shortest way between its ends, with
+    all candidates selected, is taken for its length then; the dual tree gives it in two passes.
+    """
+    net = carved.net
+    below, above = witness_lengths(net, None)
+    node_length = np.minimum(net.length, np.minimum(below, above))
+    length = prepared.length.copy()
+    length[carved.node_edge] = node_length[net.tree.roots:]
+    carved = carved._replace(net=net._replace(length=node_length))
+    return prepared._replace(length=length), carved
 
 
 def _connection_problems(polygons, component, wanted, apart):
@@ -597,6 +673,8 @@ def _graph(prepared, selected):
 def _positions(prepared):
     """Where the vertices are, in the unit of the lengths."""
     polygons = prepared.polygons
+    if prepared.generalised:  # the outline is shorter than the straight lines: these bound nothing
+        return np.zeros((len(polygons.xy), 1))
     unit = polygons.unit[polygons.polygon_of_vertex]
     return prepared.measure.positions(polygons.xy) * unit[:, None]
 

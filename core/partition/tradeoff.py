@@ -133,7 +133,7 @@ def together(searches: list, solve: Callable) -> list:
         What each search returns.
     """
     results, tau = [None] * len(searches), [next(search) for search in searches]
-    active = range(len(searches))
+    active = list(range(len(searches)))
     while active:
         solutions, going = solve(tau), []
         for k in active:
@@ -146,7 +146,7 @@ def together(searches: list, solve: Callable) -> list:
     return results
 
 
-def smallest_dilation(budget: float) -> Generator:
+def smallest_dilation(budget: float) -> Generator[float, Joint, tuple[Joint | OverBudget, bool]]:
     """Search for the answer of the dual problem: the smallest dilation within a budget.
 
     Parameters
@@ -174,7 +174,9 @@ def smallest_dilation(budget: float) -> Generator:
     return best, beyond is None or _exceeds(beyond.lower_bound, budget)
 
 
-def trade_off(low: float, high: float, most: int | None = None) -> Generator:
+def trade_off(
+    low: float, high: float, most: int | None = None
+) -> Generator[float, Joint, TradeOff]:
     """Follow the step function cost(tau) from a large tau down to a small one.
 
     Parameters

@@ -7,6 +7,7 @@ checked. The engine's own call is the only loop over polygons.
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Callable
 
 import numpy as np
@@ -24,7 +25,7 @@ __all__ = ["diagonals", "engine_name", "missing_packages", "triangulate"]
 TOO_FINE = "the polygon could not be triangulated (too fine for double precision)"
 
 
-def missing_packages(shapely_module=shapely):
+def missing_packages(shapely_module: ModuleType = shapely) -> str:
     """Return what is missing in a few words, or '' if polygons can be triangulated."""
     version = shapely_module.__version__
     if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too

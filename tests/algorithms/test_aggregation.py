@@ -255,7 +255,97 @@ def test_degrees_are_measured_in_metres(qgis_app):
     size = east * north
     assert [r["size"] for r in layers["OUTPUT"]] == pytest.approx([3 * size], rel=2e-3)
     # the middle one is the core: two squares are one width away
-    assert results["CENTRE_COST"] == pytest.approx(2 * size * east, rel=5e-3)
+    spread = (east**2 + north**2) / 12
+    centre = size * (math.sqrt(spread) + 2 * math.sqrt(east**2 + spread))
+    assert results["CENTRE_COST"] == pytest.approx(centre, rel=5e-3)
+
+
+def test_the_centre_distance_is_that_of_all_points(qgis_app):
+    """Two parts of one area, in feet: its mean square distance to its own centroid counts."""
+    parts = "MultiPolygon (((0 0, 10 0, 10 10, 0 10, 0 0)), ((30 0, 40 0, 40 10, 30 10, 30 0)))"
+    layer = areas([(parts, "a")], kind="MultiPolygon", crs="EPSG:2263")
+    results, _, _ = aggregate(layer, THRESHOLD=0, WEIGHT_CENTRE=1.0)
+    foot = 0.3048006096
+    away = math.sqrt(15.0**2 + 200.0 / 12.0) * foot
+    assert results["CENTRE_COST"] == pytest.approx(200.0 * foot**2 * away, rel=1e-4)
+
+
+def test_named_weights_and_numbers_that_win(qgis_app):
+    def costs_of(**weights):
+        chosen = {"WEIGHT_BOUNDARY": None, "THRESHOLD": 300, **weights}
+        results = aggregate(strip("aaabba"), **chosen)[0]
+        return {name: value for name, value in results.items() if not isinstance(value, str)}
+
+    balanced, keep, compact = (costs_of(WEIGHTS=w) for w in ("balanced", "keep classes", "compact"))
+    assert costs_of() == balanced
+    assert balanced["BOUNDARY_COST"] == pytest.approx(450.0)
+    assert keep["BOUNDARY_COST"] == pytest.approx(450.0 / 4)
+    assert compact["BOUNDARY_COST"] == pytest.approx(900.0)
+    assert compact["CENTRE_COST"] == pytest.approx(4 * balanced["CENTRE_COST"])
+    own = costs_of(WEIGHTS="compact", WEIGHT_BOUNDARY=0.0, WEIGHT_CHANGE=2.0)
+    assert own["BOUNDARY_COST"] == 0.0
+    assert own["CHANGE_COST"] == pytest.approx(200.0)
+    assert own["CENTRE_COST"] == pytest.approx(compact["CENTRE_COST"])
+
+
+def test_areas_that_lost_their_class_are_counted_and_told(qgis_app):
+    layer = areas([(box(0, 0, 40), "a"), (box(40, 0, 16), "b"), (box(56, 0, 12), "c"), (box(68, 0, 40), "a")])
+    results, _, said = aggregate(layer, THRESHOLD=300)
+    # b is above half of 300, c is not
+    assert results["LOST_COUNT"] == 1
+    assert any("Of 3 areas above half of the minimum size, 1 lost their class: b 1 of 1." in line
+               for line in said)  # fmt: skip
+
+
+def test_pieces_of_an_area_lose_its_class_by_most_of_its_size(qgis_app):
+    rows = [(box(0, 0, 30), "a", 1), (box(30, 0, 4), "b", 2), (box(34, 0, 12), "b", 2), (box(46, 0, 30), "c", 3)]
+    layer = areas([(wkt, code) for wkt, code, _ in rows])
+    layer.dataProvider().changeAttributeValues({
+        f.id(): {1: f"area {area}"} for f, (_, _, area) in zip(layer.getFeatures(), rows)
+    })
+    results, layers, _ = aggregate(layer, THRESHOLD=250, AREA_ID="name")
+    assert len(layers["OUTPUT"]) == 2
+    assert results["LOST_COUNT"] == 1
+
+
+def test_the_report(qgis_app, tmp_path):
+    path = tmp_path / "report.html"
+    results, _, _ = aggregate(strip(["a", "a", "a<b", "a<b", "a"]), THRESHOLD=300, REPORT=str(path))
+    assert results["REPORT"] == str(path)
+    text = path.read_text(encoding="utf-8")
+    assert "<script" not in text and "http" not in text
+    assert "a&lt;b" in text and "a<b" not in text
+    cells = re.findall(r"<tr>(.*?)</tr>", text)
+    (total,) = [row for row in cells if row.startswith("<td class=text>total<")]
+    assert f"<td>{results['TOTAL_COST']:.6g}</td>" in total
+    (lost,) = [row for row in cells if row.startswith("<td class=text>a&lt;b</td><td>2</td>")]
+    assert "100.0 %" in lost or "0.0 %" in lost
+    refused, _, said = aggregate(strip("ab"), REPORT=str(tmp_path / "nothere" / "x.html"))
+    assert refused is None and any("report could not be written" in line for line in said)
+
+
+def test_regions_have_a_colour_for_each_class(qgis_app):
+    from qgis.core import QgsExpressionContext, QgsSymbolLayer
+
+    made = QgsVectorLayer(
+        "Polygon?field=region:integer&field=code:string(9)&field=size:double&field=areas:integer"
+        "&field=core:integer&field=status:string(9)", "x", "memory",
+    )
+    made.loadNamedStyle(str(ROOT / "resources" / "styles" / "regions.qml"))
+    fill = made.renderer().symbol().symbolLayer(0)
+    colour = fill.dataDefinedProperties().property(QgsSymbolLayer.Property.PropertyFillColor)
+    found = {}
+    for number, code in enumerate(["311", "312", "211", "311"]):
+        feature = QgsFeature(made.fields(), number)
+        feature.setAttributes([number, code, 10.0 * number, 1, number, ""])
+        context = QgsExpressionContext()
+        context.setFeature(feature)
+        context.setFields(made.fields())
+        value, valid = colour.valueAsColor(context)
+        assert valid
+        found.setdefault(code, set()).add(value.name())
+    assert all(len(one) == 1 for one in found.values())
+    assert len(set.union(*found.values())) == 3
 
 
 def test_areas_on_top_of_each_other_are_kept(qgis_app):

@@ -97,7 +97,7 @@ def test_rules(run, land, focus, rule):
 
 
 def test_cuts_of_the_partition_tool_as_edges(run, land, focus, layer, feedback):
-    cuts = run("isthmus:partition", {"INPUT": land, "TAU": 2, "OUTPUT": "memory:", "CUTS": "memory:"})
+    cuts = run("isthmus:partition", {"INPUT": land, "TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OUTPUT": "memory:", "CUTS": "memory:"})
     lines = cuts["CUTS"]
     results = run(TOOL, parameters(land, focus, EDGES=lines, EDGES_USED="memory:"), feedback)
     kinds = [edge["kind"] for edge in features(results, "EDGES_USED")]

@@ -65,6 +65,8 @@ def model(provider, tmp_path):
     child.setChildId("cut")
     child.addParameterSources("INPUT", [source.fromModelParameter("polygons")])
     child.addParameterSources("TAU", [source.fromModelParameter("detour")])
+    child.addParameterSources("PLACES", [source.fromStaticValue("Any")])
+    child.addParameterSources("SMALLEST_PART", [source.fromStaticValue(0)])
     outputs = {}
     for name in ("OUTPUT", "CUTS"):
         output = QgsProcessingModelOutput(name.lower())
@@ -134,7 +136,7 @@ def test_command_line(qgis_process, model, rooms, tmp_path):
     parts, cuts = tmp_path / "parts.gpkg", tmp_path / "cuts.shp"
     answer = qgis_process(
         "run", "--json", "isthmus:partition", "--",
-        f"INPUT={rooms}", "TAU=4", f"OUTPUT={parts}", f"CUTS={cuts}",
+        f"INPUT={rooms}", "TAU=4", "PLACES=Any", "SMALLEST_PART=0", f"OUTPUT={parts}", f"CUTS={cuts}",
     )  # fmt: skip
     results = results_of(answer)
     assert (results["PART_COUNT"], results["CUT_COUNT"], results["SKIPPED_COUNT"]) == (3, 2, 0)

@@ -34,8 +34,14 @@ def square_with(x):
     return QgsGeometry(QgsPolygon(QgsLineString([0, 10, 10, x, 0], [0, 0, 10, 5, 0])))
 
 
+# the paper's problem: every diagonal of the triangulation is a candidate
+EVERYWHERE = {"PLACES": "Any", "SMALLEST_PART": 0}
+
+
 def partition(run, source, feedback=None, **more):
-    parameters = {"INPUT": source, "TAU": 4, "OUTPUT": "memory:", "CUTS": "memory:", **more}
+    parameters = {
+        "INPUT": source, "TAU": 4, **EVERYWHERE, "OUTPUT": "memory:", "CUTS": "memory:", **more
+    }  # fmt: skip
     return run("isthmus:partition", parameters, feedback)
 
 

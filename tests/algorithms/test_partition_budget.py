@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from qgis.core import NULL, QgsProcessingException, QgsProperty, QgsVectorLayer
 
-from .test_partition import ANNULUS, BOWTIE, DUMBBELL, partition, rows
+from .test_partition import ANNULUS, BOWTIE, DUMBBELL, EVERYWHERE, partition, rows
 
 THREE_ROOMS = (
     "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 4,24 4,24 0,34 0,34 10,24 10,24 6,22 6,22 10,"
@@ -17,7 +17,7 @@ OUTLINE = Path(__file__).resolve().parents[1] / "data" / "western_europe.csv"
 
 
 def within_budget(run, source, feedback=None, **more):
-    parameters = {"INPUT": source, "OUTPUT": "memory:", "CUTS": "memory:", **more}
+    parameters = {"INPUT": source, **EVERYWHERE, "OUTPUT": "memory:", "CUTS": "memory:", **more}
     return run("isthmus:partitionbudget", parameters, feedback)
 
 
@@ -85,7 +85,7 @@ def test_tradeoff(run, rooms, tmp_path):
     report = tmp_path / "report.html"
     results = run(
         "isthmus:tradeoff",
-        {"INPUT": rooms, "TAU_MIN": 1.5, "OUTPUT": "memory:", "REPORT": str(report)},
+        {"INPUT": rooms, "TAU_MIN": 1.5, **EVERYWHERE, "OUTPUT": "memory:", "REPORT": str(report)},
     )
     steps = rows(results["OUTPUT"])
     assert len(steps) == results["STEP_COUNT"] > 3
@@ -124,7 +124,7 @@ def test_tradeoff_stops_where_it_is_told_to(run, layer, feedback, tmp_path):
     source = layer("Polygon?crs=EPSG:3857", [(THREE_ROOMS, []), (BOWTIE, []), (None, [])])
     results = run(
         "isthmus:tradeoff",
-        {"INPUT": source, "STEPS": 2, "TAU_MIN": 1, "TAU_MAX": 30, "OUTPUT": "memory:"},
+        {"INPUT": source, "STEPS": 2, "TAU_MIN": 1, "TAU_MAX": 30, **EVERYWHERE, "OUTPUT": "memory:"},
         feedback,
     )
     steps = rows(results["OUTPUT"])
@@ -136,7 +136,7 @@ def test_tradeoff_stops_where_it_is_told_to(run, layer, feedback, tmp_path):
 
 def test_tradeoff_to_a_table_file(run, rooms, tmp_path):
     path = str(tmp_path / "steps.csv")
-    run("isthmus:tradeoff", {"INPUT": rooms, "TAU_MIN": 2, "OUTPUT": path})
+    run("isthmus:tradeoff", {"INPUT": rooms, "TAU_MIN": 2, **EVERYWHERE, "OUTPUT": path})
     assert QgsVectorLayer(path).featureCount() >= 3
 
 
@@ -145,7 +145,7 @@ def test_tradeoff_of_a_polygon_whose_area_no_double_holds(run, layer, tmp_path):
     report = tmp_path / "report.html"
     results = run(
         "isthmus:tradeoff",
-        {"INPUT": layer("Polygon", [(wkt, [])]), "TAU_MIN": 1, "OUTPUT": "memory:",
+        {"INPUT": layer("Polygon", [(wkt, [])]), "TAU_MIN": 1, **EVERYWHERE, "OUTPUT": "memory:",
          "REPORT": str(report)},
     )
     steps = rows(results["OUTPUT"])

@@ -127,31 +127,44 @@ def test_frozen_names(tools):
     }
     numbers = "PART_COUNT CUT_COUNT CUT_LENGTH MAX_DILATION SKIPPED_COUNT COST LOWER_BOUND"
     assert names["isthmus:partition"] == (
-        "INPUT TAU OBJECTIVE WEIGHT MIN_LENGTH MIN_HOLE CANDIDATES MAX_GAP OUTPUT CUTS DIAGONALS",
+        "INPUT TAU OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES MAX_GAP OUTPUT CUTS DIAGONALS",
         f"OUTPUT CUTS DIAGONALS {numbers}",
     )
     assert names["isthmus:partitionbudget"] == (
-        "INPUT BUDGET OBJECTIVE WEIGHT MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT CUTS DIAGONALS",
+        "INPUT BUDGET OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT CUTS DIAGONALS",
         f"OUTPUT CUTS DIAGONALS {numbers}",
     )
     assert names["isthmus:tradeoff"] == (
-        "INPUT OBJECTIVE WEIGHT TAU_MIN TAU_MAX STEPS MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT REPORT",
+        "INPUT OBJECTIVE WEIGHT TAU_MIN TAU_MAX STEPS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT REPORT",
         "OUTPUT REPORT STEP_COUNT SKIPPED_COUNT",
+    )
+    assert names["isthmus:hierarchy"] == (
+        "INPUT TAU PARTS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE OUTPUT CUTS",
+        "OUTPUT CUTS PART_COUNT CUT_COUNT SKIPPED_COUNT",
     )
 
 
 def test_defaults(tools):
     (tool,) = [tool for tool in tools if tool.id() == "isthmus:partition"]
     parameters = {p.name(): p for p in tool.parameterDefinitions()}
-    assert parameters["TAU"].defaultValue() == 4 and parameters["TAU"].isDynamic()
+    assert parameters["TAU"].defaultValue() == 3 and parameters["TAU"].isDynamic()
+    assert parameters["PLACES"].defaultValue() == "Natural"
+    assert parameters["PLACES"].options() == ["Natural", "Any"]
+    assert parameters["SMALLEST_PART"].defaultValue() == 1
+    for name in ("SMALLEST_PART", "MIN_LENGTH", "MIN_HOLE"):
+        assert parameters[name].isDynamic()
     assert parameters["OBJECTIVE"].defaultValue() == "MinSize"
     assert parameters["OBJECTIVE"].options() == ["MinSize", "MinLength", "MinWeight"]
     assert parameters["CUTS"].createByDefault() and not parameters["DIAGONALS"].createByDefault()
+    (tool,) = [tool for tool in tools if tool.id() == "isthmus:prepareaggregation"]
+    parameters = {p.name(): p for p in tool.parameterDefinitions()}
+    assert parameters["PLACES"].defaultValue() == "Any"
+    assert parameters["SMALLEST_PART"].defaultValue() == 0
 
 
 def load(destinations):
     """Load results as the window does: each on top of the one before, in the order of their ids."""
-    from isthmus.algorithms.base import style_on_load
+    from isthmus.algorithms.layers.styles import style_on_load
 
     project = QgsProject()
     context = QgsProcessingContext()

@@ -7,7 +7,7 @@ Writes exact.md.
 
 import argparse
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from aggregation_data import ROOT, buchholz
@@ -44,11 +44,11 @@ def main():
             if len(group) < count or helpless(problem).any():
                 continue
             done += 1
-            began = perf_counter()
+            began = process_time()
             second = annealing(problem, seed=1)
-            middle = perf_counter()
+            middle = process_time()
             result = exact(problem, options.seconds, decompose=False, begin=second)
-            end = perf_counter()
+            end = process_time()
             best, low = costs(problem, result.found).total, result.bound
             others = [costs(problem, found).total for found in (second, greedy(problem))]
             percent = [100 * (value / low - 1) for value in (best, *others)]

@@ -1,21 +1,22 @@
 """The paper's experiment: the same annealing, the same steps, with and without partition.
 
-    python tests/benchmarks/aggregation_partition.py [--samples 4] [--seeds 3] [--steps 10000]
-        [--whole 20000000] [--out build/aggregation]
+    python tests/benchmarks/aggregation_partition.py [--samples 8] [--seeds 2] [--steps 1000]
+        [--tau 2.5] [--factors 1 0.25] [--whole 4000000] [--out build/aggregation]
 
-Writes partition.md. Samples are compact groups of about 325 areas; each run has ``steps`` a piece.
+Writes partition.md. Samples are compact groups of about 325 areas; each run has ``steps`` a piece, the
+same with and without partition. ``factors`` multiply the weights of boundary and centre distance: the
+lower, the more of the cost is class change.
 
-The centre distance of an area in one piece is that of its centroid; cut in pieces, the same area in
-the same region costs more. So the costs with and without partition are compared twice: as they are,
-and with the solution of the whole areas measured on the pieces, too ("same ground").
+Two comparisons: as they are, each solution by the areas it was made of; and on the same ground, the
+solution of the whole areas measured on the pieces too, with the best cores there.
 """
 
 import argparse
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
-from aggregation_data import ROOT, buchholz, pieces
+from aggregation_data import ROOT, WEIGHTS, buchholz, pieces
 
 from isthmus.core.aggregation.annealing import annealing
 from isthmus.core.aggregation.greedy import adjacency
@@ -33,81 +34,92 @@ def sample(problem, root, count):
     return np.array(sorted(found))
 
 
+def windows(problem, count, areas):
+    """Groups of areas around the corners, the middle and the sides of a square."""
+    middle = np.median(problem.place.real) + 1j * np.median(problem.place.imag)
+    corners = [x + 1j * y for x in (-1, 1) for y in (-1, 1)]
+    around = [*corners, 0, -1, 1, -1j, 1j]
+    roots = [int(np.argmin(np.abs(problem.place - middle - 8000.0 * c))) for c in around]
+    return [sample(problem, root, areas) for root in roots[:count]]
+
+
 PARTS = (
     lambda cost: cost.total,
     lambda cost: cost.change,
     lambda cost: cost.boundary + cost.centre,
-    lambda cost: cost.boundary,
 )
+
+
+def compare(plain, split, owner, seed, steps):
+    """Percent that partition changes, as they are and on the same ground; the share of class change."""
+    whole = annealing(plain, seed=seed, iterations=steps)
+    cut = annealing(split, seed=seed, iterations=steps)
+    raw, new = costs(plain, whole), costs(split, cut)
+    ground = costs(split, solution(split, whole.region[owner]))
+    percent = [
+        100.0 * (share(new) / share(old) - 1.0) for old in (raw, ground) for share in PARTS
+    ]
+    return percent, 100.0 * ground.change / ground.total
 
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--samples", type=int, default=3)
+    parser.add_argument("--samples", type=int, default=8)
     parser.add_argument("--areas", type=int, default=325)
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--steps", type=int, default=10_000, help="steps a piece, in the samples")
-    parser.add_argument("--whole", type=int, default=20_000_000, help="steps of the whole map; 0: not")
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--steps", type=int, default=1000, help="steps a piece, in the samples")
+    parser.add_argument("--tau", type=float, default=2.5)
+    parser.add_argument("--factors", type=float, nargs="+", default=[1.0, 0.25])
+    parser.add_argument("--whole", type=int, default=4_000_000, help="steps of the whole map; 0: not")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "aggregation")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     shapes, classes, _, _, build = buchholz()
     everything = build(shapes, classes)
-    middle = np.median(everything.place.real) + 1j * np.median(everything.place.imag)
-    reach = 8000.0
-    corners = [reach * (x + 1j * y) for x in (-1, 1) for y in (-1, 1)]
-    roots = [int(np.argmin(np.abs(everything.place - middle - c))) for c in [*corners, 0]]
     groups = [
-        (f"sample {k + 1}", sample(everything, root, options.areas), None)
-        for k, root in enumerate(roots[:options.samples])
+        (f"sample {k + 1}", group, None)
+        for k, group in enumerate(windows(everything, options.samples, options.areas))
     ]
     if options.whole:
         groups.append(("whole map", np.arange(len(shapes)), options.whole))
     lines = [
-        "| map | areas | pieces | steps | seed | as they are: total | class change | non-compactness "
-        "| same ground: total | class change | non-compactness | boundary | seconds without, with |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-        "| paper | 325 | 881 | 8.81 M | | -7.1 % | -3.2 % | -12.2 % | | | | | |",
+        "| map | areas | pieces | weights | steps | seed | change of total | as they are: total "
+        "| class change | non-compactness | same ground: total | class change | non-compactness | CPU s |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
+        "| paper | 325 | 881 | | 8.81 M | | 57 % | -7.1 % | -3.2 % | -12.2 % | | | | |",
     ]
     print("\n".join(lines), flush=True)
-    change = {}
+    found = {}
     for name, group, steps in groups:
-        parts, owner = pieces(shapes[group])
-        plain = build(shapes[group], classes[group])
-        split = build(parts, classes[group][owner])
+        parts, owner = pieces(shapes[group], options.tau)
+        plain, split = build(shapes[group], classes[group]), build(parts, classes[group][owner])
         steps = steps or options.steps * len(parts)
-        for seed in range(1, options.seeds + 1):
-            found, times = [], []
-            for problem in (plain, split):
-                began = perf_counter()
-                found.append(annealing(problem, seed=seed, iterations=steps))
-                times.append(perf_counter() - began)
-            raw, ground, new = (
-                costs(problem, one)
-                for problem, one in (
-                    (plain, found[0]),
-                    (split, solution(split, found[0].region[owner])),
-                    (split, found[1]),
+        for factor in options.factors:
+            weights = {
+                "boundary": factor * WEIGHTS["boundary"], "centre": factor * WEIGHTS["centre"]
+            }
+            for seed in range(1, options.seeds + 1):
+                began = process_time()
+                percent, share = compare(
+                    plain._replace(**weights), split._replace(**weights), owner, seed, steps
                 )
-            )
-            percent = [
-                100.0 * (share(new) / share(old) - 1.0)
-                for old, parts_of in ((raw, PARTS[:3]), (ground, PARTS))
-                for share in parts_of
-            ]
-            change.setdefault(name != "whole map", []).append(percent)
-            lines.append(
-                f"| {name} | {len(group)} | {len(parts)} | {steps / 1e6:.2f} M | {seed} "
-                + "".join(f"| {p:+.1f} % " for p in percent)
-                + f"| {times[0]:.0f}, {times[1]:.0f} |"
-            )
-            print(lines[-1], flush=True)
-            (options.out / "partition.md").write_text("\n".join(lines) + "\n")
-    for small, percents in change.items():
-        mean, spread = np.mean(percents, axis=0), np.std(percents, axis=0)
+                found.setdefault((name != "whole map", factor), []).append([share, *percent])
+                lines.append(
+                    f"| {name} | {len(group)} | {len(parts)} | x {factor:g} | {steps / 1e6:.2f} M "
+                    f"| {seed} | {share:.0f} % " + "".join(f"| {p:+.1f} % " for p in percent)
+                    + f"| {process_time() - began:.0f} |"
+                )
+                print(lines[-1], flush=True)
+                (options.out / "partition.md").write_text("\n".join(lines) + "\n")
+    for (small, factor), rows in found.items():
+        rows = np.array(rows)
+        cells = "".join(
+            f"| {m:+.1f} % ({lo:+.1f}..{hi:+.1f}) "
+            for m, lo, hi in zip(*(f(rows[:, 1:], axis=0) for f in (np.mean, np.min, np.max)))
+        )
         lines.append(
-            f"| mean of {'the samples' if small else 'the whole map'} (standard deviation) | | | | "
-            + "".join(f"| {m:+.1f} % ({s:.1f}) " for m, s in zip(mean, spread)) + "| |"
+            f"| mean (range) of {'the samples' if small else 'the whole map'} | | | x {factor:g} | | "
+            f"| {rows[:, 0].mean():.0f} % {cells}| |"
         )
         print(lines[-1], flush=True)
     (options.out / "partition.md").write_text("\n".join(lines) + "\n")

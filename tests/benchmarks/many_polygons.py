@@ -39,6 +39,7 @@ ROWS = {
     "plate_5000": "a polygon with 5,000 holes: <= 3 s",
     "plate_50000": "a polygon with 50,000 holes: <= 40 s",
 }
+EVERYWHERE = {"PLACES": "Any", "SMALLEST_PART": 0}  # the paper's problem
 PATIENCE = 1200  # seconds for a row
 
 
@@ -108,7 +109,7 @@ class Bench:
 
     def partition(self, path, **parameters):
         return self.run(
-            "isthmus:partition", path, **{"TAU": 4, "CUTS": f"{self.folder}/cuts.gpkg", **parameters}
+            "isthmus:partition", path, **{"TAU": 4, **EVERYWHERE, "CUTS": f"{self.folder}/cuts.gpkg", **parameters}
         )
 
 

@@ -181,7 +181,7 @@ def measure_in_qgis(column, ring):
         if column == "subdivide":
             tool, more = "native:subdivide", {"MAX_NODES": 256}
         else:
-            tool, more = "isthmus:partition", {"TAU": TAU}
+            tool, more = "isthmus:partition", {"TAU": TAU, "PLACES": "Any", "SMALLEST_PART": 0}
             parameters.setdefault("CUTS", "memory:")
         seconds, results = timed(
             lambda: processing.run(tool, {**parameters, **more}, feedback=QgsProcessingFeedback())

@@ -4,7 +4,7 @@ from math import atan2
 import numpy as np
 import pytest
 
-from isthmus.core.predicates import crossing, orientation, orientations, sort_ccw
+from isthmus.core.predicates import ccw_order, crossing, orientation, orientations, sort_ccw
 
 ULP = 2.0**-53
 
@@ -80,3 +80,34 @@ def test_segments_cross_where_rational_numbers_say_so():
     ]
     assert crossing(one, other).tolist() == expected
     assert any(expected) and not all(expected)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_ccw_order_is_that_of_each_group_alone(seed):
+    """Among easy groups some that floats cannot sort, and directions along the axes."""
+    rng = np.random.default_rng([3, seed])
+    group = rng.permutation(np.repeat(np.arange(60), rng.integers(1, 30, 60)))
+    centre = rng.integers(-9, 9, (60, 2)) * 0.5
+    steps = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (3, 1), (-2, 7)]
+    target = np.empty((len(group), 2))
+    for g in range(60):
+        own = np.flatnonzero(group == g)
+        if g % 3 == 0:
+            k = rng.permutation(2 * len(own))[:len(own)] - len(own)
+            target[own] = 12.0 + np.column_stack((k, -k)) * 2.0**-49
+            centre[g] = 0.5, 0.5
+        elif g % 3 == 1 and len(own) <= len(steps):
+            target[own] = centre[g] + np.array(steps)[rng.permutation(len(steps))[:len(own)]] * 2.0**-g
+        else:
+            target[own] = rng.random((len(own), 2))
+    order = ccw_order(group, centre[group], target)
+    assert (np.diff(group[order]) >= 0).all()
+    for g in range(60):
+        own = order[group[order] == g]
+        spokes = [(*target[k].tolist(), k) for k in np.flatnonzero(group == g).tolist()]
+        assert own.tolist() == [k for *_, k in sort_ccw(centre[g].tolist(), spokes)]
+
+
+def test_ccw_order_of_nothing():
+    nothing = np.empty((0, 2))
+    assert len(ccw_order(np.empty(0, dtype=int), nothing, nothing)) == 0

@@ -478,7 +478,8 @@ def parameters_of(case, source, lines, folder):
         name: QgsProperty.fromExpression(value["expression"]) if isinstance(value, dict) else value
         for name, value in case.parameters.items()
     }
-    p["INPUT"] = source
+    # what is proven is proven for the paper's problem: natural places only choose other candidates
+    p |= {"INPUT": source, "PLACES": "Any", "SMALLEST_PART": 0}
     if lines is not None:
         p["CANDIDATES"] = lines
     names = ["OUTPUT"]

@@ -24,7 +24,7 @@ from isthmus.core import metric
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9
-EXTRA = {"partition": 5, "partitionbudget": 6}  # fields of a part besides those of its feature
+EXTRA = {"partition": 6, "partitionbudget": 7}  # fields of a part besides those of its feature
 SOLVABLE_REASONS = (  # why a valid polygon may not be solved, and what must be so then
     ("tau must be a number", lambda case, polygon: isinstance(case.parameters.get("TAU"), dict)),
     ("the budget must be", lambda case, polygon: isinstance(case.parameters.get("BUDGET"), dict)),
@@ -225,8 +225,8 @@ class Part:
         values = feature.attributes()
         self.geometry = feature.geometry()
         self.attributes = values[:-extra]
-        self.part, self.parts, self.status, self.cost, self.gap = values[-extra:][:5]
-        self.tau = values[-1] if extra > 5 else None
+        self.part, self.parts, self.status, self.cost, self.gap, self.source = values[-extra:][:6]
+        self.tau = values[-1] if extra > 6 else None
         if self.status == NULL:  # shapefiles know no empty text
             self.status = ""
 
@@ -264,7 +264,7 @@ def check_cutting(case, outcome, rows, counts, rng):
 def _lines_by_source(outcome, name):
     layer = outcome.layers[name]
     result = defaultdict(list)
-    own = len(layer.fields()) - 5
+    own = len(layer.fields()) - (6 if name == "CUTS" else 5)
     for feature in layer.getFeatures():
         values = feature.attributes()[own:]
         ends = np.array([[p.x(), p.y()] for p in feature.geometry().vertices()])
@@ -492,7 +492,7 @@ def check_tiling(solved, own, cuts):
                 actual[edge] += 1
     between = []
     for line in cuts:
-        a, b = line.more
+        a, b, _ = line.more
         u, v = (tuple(x + 0.0 for x in p) for p in (line.u, line.v))
         assert a <= b
         if a != b:

@@ -352,6 +352,22 @@ def _region_shape(region, rows, shapes, tame, memory):
     return wrong
 
 
+def _spread(shape):
+    """Root mean square distance of the points of a polygon from its centroid, by fans of triangles."""
+    if shape is None or not shape.area:
+        return 0.0
+    middle, second, area = np.array(shape.centroid.coords[0]), 0.0, 0.0
+    for part in shapely.get_parts(shape):
+        for ring, sign in ((part.exterior, 1), *((hole, -1) for hole in part.interiors)):
+            xy = shapely.get_coordinates(ring) - middle
+            turn = sign * (1 if ring.is_ccw else -1)
+            for p, q in zip(xy[:-1], xy[1:]):  # the triangle of the centroid and an edge
+                size = turn * (p[0] * q[1] - p[1] * q[0]) / 2.0
+                area += size
+                second += size * (p @ p + q @ q + p @ q) / 6.0
+    return math.sqrt(max(second / area, 0.0)) if area > 0.0 else 0.0
+
+
 def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
     """The cost from the areas themselves, and the truth of small maps."""
     from isthmus.core.aggregation.instance import build
@@ -363,13 +379,14 @@ def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
     distance, width = case["distance"], max(map(len, classes), default=1)
     skipped = [k for k, one in enumerate(texts) if one is None or shapes[k] is None]
     centre = [complex(*one.centroid.coords[0]) * metre if one is not None else 0j for one in shapes]
+    spread = [_spread(one) for one in shapes]
     change = boundary = away = 0.0
     for k, region in label.items():
         if region is None or k in skipped:
             continue
         core = core_of[region]
         change += sizes[k] * _distance(distance, texts[k], texts[core], width)
-        away += sizes[k] * abs(centre[k] - centre[core])
+        away += sizes[k] * math.hypot(abs(centre[k] - centre[core]), spread[k] * metre)
     for (a, b), length in pairs.items():
         if a in skipped or b in skipped or label[a] == label[b]:
             continue
@@ -394,7 +411,7 @@ def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
         [length * metre for length in pairs.values()],
         [[_distance(distance, a, b, width) for b in classes] for a in classes],
         [math.inf if one is None else one for one in theta], p["WEIGHT_CHANGE"], p["WEIGHT_BOUNDARY"],
-        p["WEIGHT_CENTRE"], p["BOUNDARY"] == "classes",
+        p["WEIGHT_CENTRE"], p["BOUNDARY"] == "classes", np.square(spread) * metre**2,
     )  # fmt: skip
     big = None
     if p["METHOD"] == "exact" and p["DECOMPOSE"]:

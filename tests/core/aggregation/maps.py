@@ -26,7 +26,8 @@ def random_map(seed, n=None, by_class=False, boundary=1.0, centre=0.05, classes=
     np.fill_diagonal(distance, 0.0)
     theta = rng.choice([5.0, 12.0, 20.0, np.inf], classes, p=[0.3, 0.3, 0.3, 0.1])
     place = np.arange(n) % columns + 1j * (np.arange(n) // columns) + rng.random(n) * 0.3
-    return build(
+    found = build(
         size, rng.integers(classes, size=n), place * 5.0, pairs, rng.random(len(pairs)) * 4 + 1,
         distance, theta, 1.0, boundary, centre, by_class,
     )
+    return found._replace(spread=rng.random(n) * 9.0)

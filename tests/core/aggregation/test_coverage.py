@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from isthmus.core import metric
-from isthmus.core.aggregation.coverage import centroids, cover, faults, joined, shared
+from isthmus.core.aggregation.coverage import centroids, cover, faults, joined, shared, spreads
 
 
 def rows_of(polygons):
@@ -206,6 +206,56 @@ def test_centroids_with_holes():
     assert area == pytest.approx([14.0, 14.0])
     for k, polygon in enumerate((ring, far)):
         assert moment[k] / area[k] == pytest.approx([polygon.centroid.x, polygon.centroid.y], abs=1e-7)
+
+
+def spread_of(polygons, owner=None):
+    """Spreads of polygons, or of areas of several, each from its own centroid."""
+    coverage = covered(*polygons)
+    owner = np.arange(len(polygons)) if owner is None else np.array(owner)
+    area, moment = centroids(coverage, coverage.coords, len(polygons))
+    area = np.bincount(owner, weights=area)
+    middle = np.column_stack([np.bincount(owner, weights=one) / area for one in moment.T])
+    rows = np.repeat(owner[coverage.ring_polygon], np.diff(coverage.offsets))
+    return spreads(coverage, coverage.coords - middle[rows], owner)
+
+
+def test_spread_of_boxes_by_hand():
+    wide, tall = shapely.box(1e6, 5e6, 1e6 + 4, 5e6 + 1), shapely.box(0, 0, 1, 3).reverse()
+    assert spread_of([wide, tall]) == pytest.approx([17 / 12, 10 / 12])
+    # two boxes of one area: their own spread and the way to the common centroid
+    assert spread_of([shapely.box(0, 0, 1, 1), shapely.box(9, 0, 10, 1)], [0, 0]) == pytest.approx(
+        [1 / 6 + 4.5**2]
+    )
+    frame = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 3, 3))
+    assert spread_of([frame]) == pytest.approx([(16 * 32 / 12 - 4 * 8 / 12) / 12])
+
+
+def test_spread_of_an_area_that_crosses_itself_is_in_it():
+    bow = shapely.Polygon([(0, 0), (10, 10), (10, 0), (0, 9.999999)])
+    (found,) = spreads(covered(bow), np.array(bow.exterior.coords)[:-1], np.array([0]))
+    assert 0.0 <= found <= 200.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cutting_never_raises_the_distance_to_a_centre(seed):
+    rng = np.random.default_rng(seed)
+    whole = max(random_coverage(seed, 12), key=lambda cell: cell.area)
+    through, turn = np.array(whole.centroid.coords[0]), rng.random(3) * np.pi
+    along = 1e3 * np.column_stack((np.cos(turn), np.sin(turn)))
+    off = through + rng.random((3, 2))
+    lines = shapely.linestrings(np.stack((off - along, off + along), axis=1))
+    noded = shapely.union_all([whole.exterior, *shapely.intersection(lines, whole)])
+    cells = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
+    assert len(cells) > 1
+    area, centre = shapely.area(cells), [[one.centroid.x, one.centroid.y] for one in cells]
+    own, parts = spread_of([whole])[0], spread_of(list(cells))
+    middle = np.array([whole.centroid.x, whole.centroid.y])
+    for there in rng.random((20, 2)) * 200 - 50:
+        away = np.hypot(*(middle - there))
+        split = np.sqrt(((np.array(centre) - there) ** 2).sum(axis=1) + parts)
+        assert area @ split <= whole.area * np.hypot(away, np.sqrt(own)) * (1 + 1e-12)
+        # the mean squares add up exactly
+        assert area @ split**2 == pytest.approx(whole.area * (away**2 + own))
 
 
 def test_nothing():

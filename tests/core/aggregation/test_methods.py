@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
-from isthmus.core.aggregation.annealing import annealing
+from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
 from isthmus.core.aggregation.exact import exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
-from isthmus.core.aggregation.instance import build, costs, enough, problems, solution
+from isthmus.core.aggregation.instance import (
+    Solution, build, cheapest_core, costs, enough, problems, shares, solution,
+)
+from isthmus.core.aggregation.moves import (
+    Terms, every_move, gather, group_price, merge, move_core, prices, split,
+)
+from isthmus.core.aggregation.regions import Regions
+from isthmus.core.aggregation.repair import FREE
 from isthmus.core.errors import MissingEngine
 
 from .brute_force import cheapest
@@ -95,14 +102,12 @@ def test_same_seed_same_result_another_seed_another():
 
 @pytest.mark.parametrize("by_class", [False, True])
 def test_prices_of_moves_are_the_differences_of_costs(by_class):
-    from isthmus.core.aggregation.annealing import _State
-
     problem = random_map(8, n=60, by_class=by_class)
     begin = greedy(problem)
-    state = _State(problem, begin, 0, None)
+    regions = Regions(problem, begin)
     before = costs(problem, begin).total
-    v, to = state.every_move()
-    delta = state.price(v, to, 0.0)
+    v, to = every_move(regions)
+    delta = prices(regions, v, to, FREE)
     assert np.isfinite(delta).sum() > 20
     for k in np.flatnonzero(np.isfinite(delta)).tolist():
         region = begin.region.copy()
@@ -114,45 +119,89 @@ def test_prices_of_moves_are_the_differences_of_costs(by_class):
 
 @pytest.mark.parametrize("by_class", [False, True])
 def test_prices_of_groups_are_the_differences_of_costs(by_class):
-    from isthmus.core.aggregation.annealing import _State
-
     problem = random_map(8, n=60, by_class=by_class)
     begin = greedy(problem)
-    state = _State(problem, begin, 0, None)
+    regions = Regions(problem, begin)
     before, tried = costs(problem, begin).total, 0
-    for v, to in zip(*(a.tolist() for a in state.every_move())):
-        r = state.labels[v]
-        group = {u for u in (v, *state.adjacent[v]) if state.labels[u] == r and u != state.core[r]}
+    for v, to in zip(*(a.tolist() for a in every_move(regions))):
+        r = regions.labels[v]
+        group = {
+            u for u in (v, *regions.adjacent[v]) if regions.labels[u] == r and u != regions.core[r]
+        }
         if v not in group or len(group) < 2:
             continue
         tried += 1
         region = begin.region.copy()
         region[sorted(group)] = to
         after = costs(problem, begin._replace(region=region)).total
-        assert state.group_price(group, r, to, 0.0) == pytest.approx(after - before, abs=1e-9)
+        assert group_price(regions, group, r, to, FREE) == pytest.approx(after - before, abs=1e-9)
     assert tried > 10
+
+
+def check_invariants(regions):
+    problem = regions.problem
+    used = np.unique(regions.region)
+    assert regions.region.tolist() == regions.labels
+    assert len(used) == regions.count
+    for r in used.tolist():
+        assert regions.members[r] == set(np.flatnonzero(regions.region == r).tolist())
+        assert regions.number[r] == len(regions.members[r])
+        assert regions.size[r] == pytest.approx(problem.size[regions.region == r].sum())
+        assert regions.core[r] in regions.members[r]
+    assert sorted(regions.free) == sorted(set(range(len(problem.size))) - set(used.tolist()))
+    # contiguous, though perhaps too small
+    assert not [p for p in problems(problem, regions.current()) if p[1] == "not contiguous"]
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("move", [merge, split, move_core, gather])
+def test_moves_cost_what_they_are_priced(move, by_class):
+    """Each move of several areas, made at any price, against the costs recomputed from scratch."""
+    problem = random_map(5, n=80, by_class=by_class)
+    begin = reach_count(problem, greedy(problem), 8)
+    regions = Regions(problem, begin)
+    rng = np.random.default_rng(1)
+    asked = []
+
+    class Spy(Terms):
+        def accepts(self, delta, rng):
+            asked.append(delta)
+            return np.isfinite(delta)
+
+    def lacking():
+        used = np.unique(regions.region)
+        core = regions.core[used]
+        size = np.bincount(regions.region, weights=problem.size)[used]
+        return np.maximum(regions.theta[core] - size, 0.0).sum()
+
+    def state():
+        total = costs(problem, Solution(regions.region, regions.core)).total
+        return total + 2.0 * lacking() + 0.7 * regions.count
+
+    made = 0
+    for k in range(240):
+        if k % 6 == 0:
+            regions.load(begin)
+        before, seen = state(), len(asked)
+        regions.batch += 1
+        move(regions, Spy(1.0, 2.0, 0.7), rng)
+        if len(asked) > seen and np.isfinite(asked[-1]):
+            made += 1
+            assert state() - before == pytest.approx(asked[-1], abs=1e-6)
+            check_invariants(regions)
+    assert made > 20
 
 
 @pytest.mark.parametrize("by_class", [False, True])
 @pytest.mark.parametrize("count", [None, 12])
-def test_the_state_stays_true(by_class, count):
-    from isthmus.core.aggregation.annealing import Schedule, _State
-
+def test_the_regions_stay_true(by_class, count):
     problem = random_map(5, n=120, by_class=by_class)
-    state = _State(problem, greedy(problem), 7, count)
-    state.cool(30_000, None, Schedule(), lambda share: None)
-    assert state.applied > 300
-    used = np.unique(state.region)
-    assert state.region.tolist() == state.labels
-    assert len(used) == state.regions
-    for r in used.tolist():
-        assert state.members[r] == set(np.flatnonzero(state.region == r).tolist())
-        assert state.number[r] == len(state.members[r])
-        assert state.size[r] == pytest.approx(problem.size[state.region == r].sum())
-        assert state.core[r] in state.members[r]
-    assert sorted(state.free) == sorted(set(range(len(problem.size))) - set(used.tolist()))
-    # contiguous, though perhaps too small
-    assert not [p for p in problems(problem, state.current()) if p[1] == "not contiguous"]
+    regions = Regions(problem, greedy(problem))
+    before = regions.region.copy()
+    rng = np.random.default_rng(7)
+    _cool(regions, rng, _Effort(30_000, None), Schedule(), count, lambda share: None)
+    assert (regions.region != before).sum() > 30
+    check_invariants(regions)
 
 
 @pytest.mark.parametrize("wanted", [3, 8, 15, 25])
@@ -208,6 +257,52 @@ def test_best_cores_are_the_cheapest_by_hand():
     assert found.core.tolist() == [1]
     assert costs(problem, found).centre == 2.0
     assert costs(problem, found).centre_distance == pytest.approx(2 / 3)
+
+
+def test_the_centre_distance_is_the_root_mean_square():
+    # two areas: the core bills its own spread, the other the way to it and its spread
+    problem = build(
+        [2.0, 3.0], [0, 1], [0, 4], [(0, 1)], [1], 1.0 - np.eye(2), [0.0, 0.0], centre=0.5,
+        spread=[9.0, 9.0],
+    )  # fmt: skip
+    found = Solution(np.array([0, 0]), np.array([0]))
+    assert costs(problem, found).centre == pytest.approx(0.5 * (2 * 3.0 + 3 * 5.0))
+    assert costs(problem, found).centre_distance == pytest.approx(21 / 5)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_cheapest_core_is_that_of_all(seed):
+    """Most cores are not tried, because of a bound."""
+    rng = np.random.default_rng(seed)
+    problem = random_map(seed, n=90, centre=float(rng.choice([0.0, 0.05, 1.0])))
+    members = rng.permutation(90)[:int(rng.integers(40, 90))]
+    extra = rng.random(len(members)) * 20.0
+    extra[rng.random(len(members)) < 0.2] = np.inf
+    best, cost = cheapest_core(problem, members, extra)
+    everything = shares(problem, members, members).sum(axis=0) + extra
+    assert cost == pytest.approx(everything.min())
+    assert everything[best] == pytest.approx(everything.min())
+
+
+def test_greedy_joins_what_costs_least_by_hand():
+    """A row of four; the two small ones choose by class change, then by boundary."""
+    problem = build(
+        [9.0, 1.0, 2.0, 9.0], [0, 1, 1, 2], [0, 1, 2, 3], [(0, 1), (1, 2), (2, 3)], [1, 1, 5],
+        [[0, 1, 1], [1, 0, 1], [1, 1, 0]], [4.0, 4.0, 4.0], boundary=0.1,
+    )  # fmt: skip
+    # the smallest joins its own class first; both together go where more boundary is saved
+    assert greedy(problem).region.tolist() == [0, 1, 1, 1]
+
+
+@needs_highs
+def test_exact_of_forty_areas_by_columns_and_cuts():
+    """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
+    problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))
+    begin = annealing(problem, 3, 60_000)
+    result = exact(problem, seconds=60.0, decompose=False, begin=begin)
+    check(problem, result.found)
+    assert result.bound <= costs(problem, result.found).total * (1 + 1e-9)
+    assert result.bound >= 0.95 * costs(problem, result.found).total
 
 
 @needs_highs

@@ -56,6 +56,31 @@ def test_minimum_spanning_tree(name):
     assert (np.diff(tree) > 0).all()
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_ties_are_broken_by_coordinates(name):
+    """Kruskal by length, then the smaller end, then the larger one: however the vertices are numbered."""
+    polygon, component, edges, length, wanted = prepared(CASES[name])
+    of_vertex = dict(zip(polygon.vertex.tolist(), component[polygon.ring_of_corner].tolist()))
+    xy = [tuple(point) for point in polygon.xy.tolist()]
+    group = {c: {c} for c in component.tolist()}
+    expected = []
+    for k in sorted(range(len(edges)), key=lambda k: (length[k], *sorted(xy[v] for v in edges[k]))):
+        a, b = (group[of_vertex[v]] for v in edges[k].tolist())
+        if a is not b:
+            expected.append(k)
+            a |= b
+            group.update(dict.fromkeys(b, a))
+    assert spanning_tree(polygon, component, edges, length, wanted)[0].tolist() == sorted(expected)
+
+
+def test_the_tree_leaves_unwanted_components_out():
+    polygon, component, edges, length, wanted = prepared(shapes.TWO_HOLES)
+    wanted[2] = False
+    tree, apart = spanning_tree(polygon, component, edges, length, wanted)
+    assert apart.tolist() == [0]
+    assert sorted(polygon.ring_of_corner[edges[tree]].ravel().tolist()) == [0, 1]
+
+
 def test_holes_that_the_edges_do_not_connect():
     polygon, component, edges, length, wanted = prepared(shapes.TWO_HOLES)
     left = polygon.xy[edges].max(axis=(1, 2)) < 12

@@ -38,7 +38,7 @@ def alone(s, tau, **options):
 
 @pytest.mark.parametrize("options", [
     {}, {"min_length": 2e5}, {"min_hole": 1e11}, {"weigh": lambda prepared: prepared.length},
-    {"measure": metric.ellipsoidal()}, {"engine": "shapely"},
+    {"measure": metric.ellipsoidal()}, {"engine": "shapely"}, {"natural": True, "smallest": 1e9},
 ], ids=lambda options: next(iter(options), "plain"))
 @pytest.mark.parametrize("seed", range(5))
 def test_together_as_alone(seed, options):

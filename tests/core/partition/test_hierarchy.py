@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from .. import checker, natural_parts, shapes, stages
+from isthmus.core.partition import hierarchy as stage
 from isthmus.core.partition.hierarchy import hierarchy, levels
 from isthmus.core.partition.solve import finish, prepare, select
 from isthmus.core.rings import one_polygon
@@ -95,3 +96,23 @@ def test_natural_candidates_have_levels_too():
     # all is 2 wide: from end to end over the bar and the other cut it is 4 + 2 + 4, and once that is
     # gone, around a square of 10 it is 38
     assert found.persistence.tolist() == pytest.approx([19.0, 5.0] if found.rank[0] == 1 else [5.0, 19.0])
+
+
+@pytest.mark.parametrize(
+    "name, tau", [("tour", 1.4), ("spiral", 1.2), ("comb", 2.0), ("holes", 1.3), ("natural", 1.0)]
+)
+def test_paths_and_array_calls_tell_the_same(monkeypatch, name, tau):
+    shape = {
+        "tour": shapes.tour(5, 300), "spiral": shapes.spiral(12), "comb": shapes.comb(40),
+        "holes": shapes.mosaic(3, 150),
+        "natural": shapes.tour(6, 300),
+    }[name]
+    found = []
+    for steps in (0, 10**9):  # array calls for all but the largest parts; paths only
+        monkeypatch.setattr(stage, "STEPS", steps)
+        prepared = prepare(one_polygon(shape.coords, shape.offsets), natural=name == "natural")
+        found.append(hierarchy(prepared, select(prepared, tau)))
+    assert len(found[0].cut) > 2
+    assert np.allclose(found[0].persistence, found[1].persistence, rtol=1e-9)
+    # where several are needed as little, which goes first is a matter of the last digit
+    assert (found[0].rank == found[1].rank).all() or len(np.unique(found[0].persistence)) < len(found[0].cut)

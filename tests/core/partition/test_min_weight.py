@@ -1,14 +1,15 @@
 """MinLength and MinWeight: all subsets, the paper's reduction, bounds, Western Europe."""
 
 import math
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from isthmus.core.partition import min_weight as solver
 from isthmus.core.partition import pareto
-from isthmus.core.partition.dual_tree import build_tree
-from isthmus.core.partition.min_size import SELF, min_size, network, witness_lengths
+from isthmus.core.partition.dual_tree import DualTree, build_tree
+from isthmus.core.partition.min_size import SELF, Network, min_size, network, witness_lengths
 from isthmus.core.partition.min_weight import min_weight
 from isthmus.core.partition.solve import select
 
@@ -28,6 +29,29 @@ def settings(request, monkeypatch):
         monkeypatch.setattr(pareto, "ROWS", 2)
         dense = request.param == "trimmed and dense"
         monkeypatch.setattr(pareto, "DENSE", 0 if dense else 10**9)
+
+
+def stacked(nets):
+    """The forest of some trees, and the places of the nodes of each."""
+    level = np.concatenate([np.repeat(np.arange(len(s) - 1), np.diff(s)) for s in
+                            (net.tree.level_start for net in nets)])  # fmt: skip
+    sizes = [len(net.length) for net in nets]
+    begin = np.concatenate(([0], np.cumsum(sizes)))
+    order = np.lexsort((np.repeat(np.arange(len(nets)), sizes), level))
+    place = np.argsort(order)
+    parent = [np.where(net.tree.parent < 0, -1, place[net.tree.parent + at])
+              for net, at in zip(nets, begin)]  # fmt: skip
+    length, base, parent = (
+        np.concatenate(x)[order]
+        for x in ([net.length for net in nets], [net.base for net in nets], parent)
+    )
+    start = np.concatenate(([0], np.cumsum(np.bincount(level))))
+    tree = DualTree(parent, start, np.zeros(0, int), np.zeros(0, int))
+    return Network(tree, length, base), np.split(place, begin[1:-1])
+
+
+def node_weights(prepared, kind, seed):
+    return np.append(0.0, weights_of(kind, prepared, seed)[prepared.carved.node_edge])
 
 
 def weights_of(kind, prepared, seed):
@@ -94,7 +118,7 @@ def test_any_root_edge_and_any_trimming_give_the_same(seed, settings):
             for shift in (0, 17, 41):
                 net, edge = rerooted(prepared, shift)
                 own = np.append(0.0, weight[edge])
-                cut, bound = min_weight(net, own, tau, 0.0)
+                cut, bound = min_weight(net, own, tau, max_gap=0.0)
                 assert_feasible(net, cut, tau)
                 costs += [own[cut].sum(), bound]
             assert costs == pytest.approx([costs[0]] * 6, rel=1e-9, abs=1e-12), (seed, kind, tau)
@@ -152,6 +176,101 @@ def reduction(numbers):
     return shapes.shape([*bottom, v[-1], far, u, p]), np.array(candidates)
 
 
+def some_trees(seed):
+    """Trees of many shapes, their weights and tau."""
+    rng = np.random.default_rng([11, seed])
+    trees = []
+    for _ in range(rng.integers(2, 8)):
+        at, kind = int(rng.integers(10**6)), rng.integers(4)
+        if kind == 0:
+            s = shapes.polyomino(at, 5, 3)
+        elif kind == 1:
+            s = shapes.mosaic(at, 40, 0.7)
+        else:
+            s = shapes.tour(at, int(rng.integers(3, 90)))
+        min_length = float(rng.choice([0.0, 1.5e5])) if kind == 3 else 0.0  # faces of many edges
+        prepared = stages.prepared(s, min_length=min_length)
+        weight = node_weights(prepared, rng.choice(["length", "real", "tied"]), at)
+        trees.append((prepared.carved.net, weight, float(rng.choice(TAUS))))
+    return trees
+
+
+@pytest.mark.parametrize("seed, gap", [(0, 0.0), (1, 0.1), (2, 0.0), (3, 0.1), (5, 0.0), (6, 0.1)])
+def test_a_tree_does_not_depend_on_those_beside_it(seed, gap, settings, monkeypatch):
+    trees = some_trees(seed)
+    alone = [min_weight(net, weight, tau, max_gap=gap) for net, weight, tau in trees]
+    net, places = stacked([net for net, _, _ in trees])
+    weight, tau = np.empty(len(net.length)), np.empty(len(net.length))
+    for at, (_, w, t) in zip(places, trees):
+        weight[at], tau[at] = w, t
+    for by_node in (0.0, 50.0, 1e9):  # all exact passes node by node, some, none
+        monkeypatch.setattr(solver, "BY_NODE", by_node)
+        cut, bound = min_weight(net, weight, tau, max_gap=gap)
+        assert bound.tolist() == [lower[0] for _, lower in alone]
+        for at, (own, _), (single, _, t) in zip(places, alone, trees):
+            assert (cut[at] == own).all()
+            assert_feasible(single, own, t)
+
+
+def test_a_forest_of_solved_trees_and_one_that_is_not():
+    """Trees leave the search one by one, and some need none of it."""
+    hard = stages.prepared(outline())
+    trees = [(hard.carved.net, node_weights(hard, "length", 0), 4.0), *some_trees(1)]
+    alone = [min_weight(*tree, max_gap=0.05) for tree in trees]
+    net, places = stacked([tree[0] for tree in trees] + [trees[0][0]])
+    weight, tau = np.empty(len(net.length)), np.empty(len(net.length))
+    for at, (_, w, t) in zip(places, [*trees, trees[0]]):
+        weight[at], tau[at] = w, t
+    tau[places[-1]] = 2.0  # the same polygon, proven sooner
+    cut, bound = min_weight(net, weight, tau, max_gap=0.05)
+    for at, (own, lower), found in zip(places, alone, bound):
+        assert (cut[at] == own).all() and lower[0] == found
+    assert 9119.6047 * 0.95 <= bound[-1] <= 9119.6048
+    assert weight[places[-1]][cut[places[-1]]].sum() <= bound[-1] / 0.95 * (1 + 1e-9)
+
+
+def test_deep_trees_give_the_same_node_by_node_and_level_by_level(monkeypatch):
+    monkeypatch.setattr(solver, "SMALL", 100)
+    prepared = stages.prepared(shapes.spiral(8))
+    net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
+    assert solver.NARROW * len(net.tree.level_start) > len(weight) > solver.SMALL
+    cut, bound = min_weight(net, weight, 3.0, max_gap=0.0)
+    assert weight[cut].sum() == pytest.approx(bound[0], rel=1e-9)
+    for name, value in (("BY_NODE", 1e9), ("NARROW", 0)):  # level by level; by the search
+        monkeypatch.setattr(solver, name, value)
+        again, same = min_weight(net, weight, 3.0, max_gap=0.0)
+        assert weight[again].sum() == pytest.approx(weight[cut].sum(), rel=1e-12)
+        assert same[0] == pytest.approx(bound[0], rel=1e-9)
+        assert name == "NARROW" or (again == cut).all()
+
+
+@pytest.mark.parametrize("points", [3, 6, 12])
+def test_a_better_solution_counts_even_if_it_is_not_a_whole_gap_better(points, monkeypatch):
+    """Passes that only kept what is better by the gap missed the optimum here, at any number of points."""
+    monkeypatch.setattr(solver, "FIRST_POINTS", 3)
+    monkeypatch.setattr(solver, "ROOM", 2)
+    prepared = stages.prepared(shapes.tour(27, 100))
+    net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
+    best = weight[min_weight(net, weight, 3.0, max_gap=0.0)[0]].sum()
+    found = weight[min_weight(net, weight, 3.0, max_gap=0.02, max_points=points)[0]].sum()
+    assert found == pytest.approx(best, rel=1e-12)
+
+
+def test_checks_come_often_and_progress_never_falls():
+    prepared = stages.prepared(outline())
+    net, weight = prepared.carved.net, node_weights(prepared, "length", 0)
+    shares, times = [], [time.process_time()]
+
+    def check(share=None):
+        times.append(time.process_time())
+        if share is not None:
+            shares.append(share)
+
+    min_weight(net, weight, 4.0, max_gap=0.01, check=check)
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    assert max(np.diff(times)) < 0.5
+
+
 def test_bounds_are_kept_when_time_is_up():
     prepared = stages.prepared(outline())
     fewest = prepared.length[select(prepared, 4.0).selected].sum()
@@ -164,8 +283,8 @@ def test_a_solution_to_begin_with_is_never_made_worse():
     prepared = stages.prepared(shapes.tour(3, 40))
     net = prepared.carved.net
     weight = np.append(0.0, prepared.length[prepared.carved.node_edge])
-    best, bound = min_weight(net, weight, 2.0, 0.0)
-    cut, _ = min_weight(net, weight, 2.0, 1.0, start=best)
+    best, bound = min_weight(net, weight, 2.0, max_gap=0.0)
+    cut, _ = min_weight(net, weight, 2.0, max_gap=1.0, start=best)
     assert (cut == best).all()
     assert bound <= weight[min_size(net, 2.0) == SELF].sum()
 

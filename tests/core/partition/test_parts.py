@@ -6,7 +6,7 @@ import shapely
 
 from isthmus.core.metric import ellipsoidal, planar
 from isthmus.core.partition.solve import partition
-from isthmus.core.partition.parts import build_parts
+from isthmus.core.partition.parts import build_parts, merged_parts
 from isthmus.core.partition.polygon import one
 
 from .. import shapes, stages
@@ -125,3 +125,35 @@ def test_no_area_is_negative():
     ])  # fmt: skip
     area = partition(*s, tau=1.0, measure=ellipsoidal()).parts.area
     assert len(area) == 2 and area.min() == 0.0
+
+
+@pytest.mark.parametrize("most", [1, 10**6])
+@pytest.mark.parametrize("name", CASES)
+def test_merged_parts_are_those_of_the_cuts_that_are_left(name, most):
+    rng = np.random.default_rng(11)
+    for shape in (CASES[name], shapes.reversed_rings(CASES[name])):
+        polygon = one(*shape)
+        edges = stages.diagonals(polygon)
+        tree, walk = stages.carved(polygon, edges, planar().length(polygon.xy, *edges.T))
+        free = np.setdiff1d(np.arange(len(edges)), tree)
+        chosen = np.sort(np.append(tree, free[rng.random(len(free)) < 0.6]))
+        some = np.isin(chosen, tree) | (rng.random(len(chosen)) < 0.4)
+        finest = build_parts(polygon, walk, chosen, tree, planar().equal_area)
+        wanted = build_parts(polygon, walk, chosen[some], tree, planar().equal_area)
+        union = np.arange(len(finest.area))
+        for a, b in finest.sides[~some]:
+            union[union == union[a]] = union[b]
+        names, union = np.unique(union, return_inverse=True)
+        pieces = np.argsort(union, kind="stable")
+        offsets = np.searchsorted(union[pieces], np.arange(len(names) + 1))
+        merged = []
+        for rows, rings, parts in merged_parts(
+            polygon, walk, chosen, tree, finest, pieces, offsets, most
+        ):
+            own = np.split(rows, rings[1:-1])
+            merged += [own[lo:hi] for lo, hi in zip(parts[:-1].tolist(), parts[1:].tolist())]
+
+        def key(part):
+            return [ring.tolist() for ring in part]
+
+        assert sorted(map(key, merged)) == sorted(map(key, wanted.rings))

@@ -1,0 +1,75 @@
+"""Features of a layer, one by one or in chunks, with progress."""
+
+from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
+
+from .wkb import common_type
+
+# Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
+CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
+
+# the tools check geometries themselves, and pass invalid ones through
+WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
+
+
+class Reader:
+    """Iterates over the features of a polygon source, with progress weighed by vertices.
+
+    Parameters
+    ----------
+    source : QgsProcessingFeatureSource
+    feedback : QgsProcessingFeedback
+
+    Attributes
+    ----------
+    wkb_type : QgsWkbTypes.Type
+        What all geometries fit in: linear, and with Z, M or several parts where any has them,
+        though the source (GeoJSON, for one) may declare less.
+    """
+
+    def __init__(self, source, feedback):
+        self.source, self.feedback = source, feedback
+        self.sizes, types = [], {source.wkbType()}
+        request = QgsFeatureRequest().setSubsetOfAttributes([])
+        for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
+            if feature.hasGeometry():
+                geometry = feature.geometry().constGet()
+                types.add(geometry.wkbType())
+            self.sizes.append(1 + geometry.nCoordinates() if feature.hasGeometry() else 1)
+        self.wkb_type = common_type(types)
+        self.total = sum(self.sizes) or 1
+        self.done, self.size = 0, 0
+
+    def __iter__(self):
+        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        for feature, size in zip(features, self.sizes):
+            self.size = size
+            if self.feedback.isCanceled():
+                return
+            yield feature
+            self.done += self.size
+            self.feedback.setProgress(100.0 * self.done / self.total)
+
+    def chunks(self):
+        """Yield lists of features, few or small enough to be worked on at once.
+
+        What is yielded counts as done when the next is asked for.
+        """
+        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        chunk, self.size = [], 0
+        for feature, size in zip(features, self.sizes):
+            if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
+                yield chunk
+                self.done += self.size
+                chunk, self.size = [], 0
+            if self.feedback.isCanceled():
+                return
+            chunk.append(feature)
+            self.size += size
+        if chunk:
+            yield chunk
+        self.done += self.size
+        self.feedback.setProgress(100.0 * self.done / self.total)
+
+    def progress(self, share):
+        """Report the share done of the current feature or chunk."""
+        self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)

@@ -1,0 +1,433 @@
+"""Natural candidates: do the cuts fall where people, maps and names have them?
+
+    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time]
+
+Without arguments all of it. `shapes` and `basins` read data that are not part of the project, from the
+folder shared/ beside it (or $ISTHMUS_SHARED); `coasts`, `necks`, `levels` and `time` read GSHHG (see gshhg.py
+for the package to install). What is missing is said, and skipped. On maps the smallest part is
+1 % of its feature and tau is 3; on silhouettes 0.2 % and 1, as the tables say.
+"""
+
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import gshhg
+import numpy as np
+import shapely
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import conftest  # noqa: E402  (makes the package importable)
+
+sys.path.insert(0, str(conftest.ROOT))
+
+from isthmus.core import metric  # noqa: E402
+from isthmus.core.partition import solve  # noqa: E402
+from isthmus.core.partition.hierarchy import hierarchy  # noqa: E402
+from isthmus.core.partition.natural import natural  # noqa: E402
+from isthmus.core.partition.polygon import from_rings  # noqa: E402
+from isthmus.core.partition.triangulation import diagonals, triangulate  # noqa: E402
+from isthmus.core.rings import one_polygon  # noqa: E402
+from tests.core import natural_parts, shapes, stages  # noqa: E402
+
+GLOBE = metric.ellipsoidal()
+SMALLEST, TAU = 0.01, 3.0  # on maps
+SHARED = Path(os.environ.get("ISTHMUS_SHARED", conftest.ROOT.parent / "shared"))
+WORLD = Path("/usr/share/qgis/resources/data/world_map.gpkg")
+
+
+def table(head, rows):
+    rows = [[str(cell) for cell in row] for row in rows]
+    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
+    print(flush=True)
+
+
+def missing(path):
+    if not path.exists():
+        print(f"skipped: there is no {path.name} in {SHARED}\n")
+        return True
+    return False
+
+
+def no_coasts(*letters):
+    absent = [letter for letter in letters if not gshhg.installed(letter)]
+    if absent:
+        print(f"skipped: GSHHG {', '.join(absent)} is not installed\n{gshhg.__doc__}\n")
+    return bool(absent)
+
+
+def ground(shape):
+    return shapely.transform(shape, GLOBE.equal_area)
+
+
+# --------------------------------------------------------------------------------- people's parts
+
+
+def measured_shapes():
+    """Agreement with people on silhouettes, all in one chunk."""
+    path, tool = SHARED / "data/shapes/shapes_dev.npz", SHARED / "tools/score_shapes.py"
+    if missing(path) or missing(tool):
+        return
+    spec = importlib.util.spec_from_file_location("score_shapes", tool)
+    people = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(people)
+    data = people.load(path)
+    told = [(one["ring"], [0, len(one["ring"])]) for one in data]
+    rings = stages.together(told)
+    # halves by name, so that one kind of thing is in one of them
+    kind = [one["name"].rstrip("0123456789").rstrip("-_") for one in data]
+    first = np.isin(kind, sorted(set(kind))[::2])
+    person = np.mean([people.person(one)[1] for one in data])
+
+    def agreement(prepared, tau):
+        parts = solve.finish(prepared, solve.select(prepared, tau)).parts
+        outlines = [shapely.Polygon(rings.coords[part[0], :2]) for part in parts.rings]
+        found = []
+        for k, one in enumerate(data):
+            own = outlines[parts.part_offsets[k] : parts.part_offsets[k + 1]]
+            middle = shapely.points(one["triangle"].mean(axis=1))
+            triangle, part = shapely.STRtree(own).query_nearest(middle, all_matches=False)
+            label = np.empty(len(middle), dtype=int)
+            label[triangle] = part
+            found.append(people.score(one, label)[1])
+        return np.array(found)
+
+    rows = [("a person against another", "", "", f"{person:.3f}", "", "")]
+    settings = [("Any", None, tau) for tau in (4.0, 3.0)]
+    settings += [("Natural", 0.002, tau) for tau in (1.0, 1.5, 2.0, 3.0)]
+    settings += [("Natural", SMALLEST, tau) for tau in (1.0, TAU)]
+    prepared = {None: solve.prepare(rings)}
+    for place, smallest, tau in settings:
+        if smallest not in prepared:
+            prepared[smallest] = natural_parts.prepare(rings, lambda area: smallest * area)[0]
+        ari = agreement(prepared[smallest], tau)
+        share = "" if smallest is None else f"{smallest:.1%}"
+        rows.append((place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}",
+                     f"{ari[~first].mean():.3f}"))
+    print(f"Agreement with people (ARI), {len(data)} silhouettes; to reach: 0.53, and 0.45 at tau = {TAU:g}")
+    table(("places", "smallest part", "tau", "ARI", "half of the kinds", "other half"), rows)
+
+
+# ------------------------------------------------------------------------------------------- layers
+
+
+def features(name):
+    from osgeo import ogr
+
+    ogr.UseExceptions()
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder, "world.gpkg")  # opening it may write to it
+        shutil.copyfile(WORLD, copy)
+        source = ogr.Open(str(copy))
+        found = [
+            shapely.from_wkb(bytes(feature.GetGeometryRef().ExportToWkb()))
+            for feature in source.GetLayerByName(name)
+        ]
+        source = None
+    return found
+
+
+def measured_layers():
+    if not WORLD.exists():
+        print(f"skipped: {WORLD.name} is not where QGIS has it\n")
+        return
+    rows = []
+    for name in ("countries", "states_provinces"):
+        single = {tau: np.zeros(4, dtype=int) for tau in (2.5, TAU, 3.5)}
+        told, smallest, whole = [], [], []
+        for shape in features(name):
+            polygons = shapely.get_parts(shape)
+            area = shapely.area(ground(polygons))
+            large = area >= 2 * SMALLEST * area.sum()  # the others have nothing to cut
+            told += [shapes.from_shapely(one) for one in polygons[large]]
+            smallest += [SMALLEST * area.sum()] * int(large.sum())
+            whole += [area.sum()] * int(large.sum())
+        polygons, verdict = from_rings(stages.together(told))
+        good = verdict == ""
+        prepared, found, index, _ = natural_parts.prepare(
+            None, np.array(smallest)[good], GLOBE, polygons
+        )
+        whole = np.array(whole)[good]
+        area = natural_parts.shell_areas(polygons, GLOBE)
+        for tau, count in single.items():
+            part = solve.finish(prepared, solve.select(prepared, tau))
+            cut = np.flatnonzero(part.role == 0)
+            side = found.share[index[cut]] * area[prepared.owner[cut]]
+            made = np.repeat(np.diff(part.parts.part_offsets) > 1, np.diff(part.parts.part_offsets))
+            of = np.repeat(np.arange(len(whole)), np.diff(part.parts.part_offsets))
+            rows.append((
+                name, tau, len(cut), np.count_nonzero(made),
+                f"{np.mean(part.parts.area[made] < 0.01 * whole[of[made]]):.1%}",
+                f"{np.mean(side < prepared.length[cut] ** 2):.1%}",
+            ))
+    print("QGIS's world map; to reach: at most 1 %, and 15 %")
+    table(("layer", "tau", "cuts", "parts", "parts below 1 % of their feature",
+           "cuts with less than a square on them"), rows)
+
+
+# ------------------------------------------------------------------------------------------- coasts
+
+
+def lands(letter, count=10):
+    """The largest land masses, but for Antarctica, which GSHHG does not close."""
+    found = []
+    for size, _, read in sorted(gshhg.coasts(letter), key=lambda coast: -coast[0])[:120]:
+        ring = read()
+        if ring[:, 1].min() < -60.0 or np.ptp(ring[:, 0]) > 300.0:
+            continue
+        shape = shapely.Polygon(ring)
+        if not shape.is_valid:
+            shape = max(shapely.get_parts(shapely.make_valid(shape)), key=lambda part: part.area)
+        found.append((ground(shape).area, shape))
+    return [shape for _, shape in sorted(found, key=lambda one: -one[0])[:count]]
+
+
+def ends_of_cuts(shape, tau, smallest=SMALLEST):
+    told = shapes.from_shapely(shapely.Polygon(shape.exterior))
+    prepared = natural_parts.prepare(one_polygon(*told), lambda area: smallest * area, GLOBE)[0]
+    return prepared.polygons.xy[prepared.edges[solve.select(prepared, tau).selected]]
+
+
+def near(one, other, within):
+    """How many cuts of the one have a cut of the other with its middle, and its ends, within a distance."""
+    a, b = (GLOBE.positions(cuts.reshape(-1, 2)).reshape(-1, 2, 3) for cuts in (one, other))
+    if not len(a) or not len(b):
+        return np.zeros(2, dtype=int)
+    middle = np.linalg.norm(a.mean(axis=1)[:, None] - b.mean(axis=1)[None], axis=2).min(axis=1)
+    ends = np.minimum(
+        *(np.linalg.norm(a[:, None] - c[None], axis=3).max(axis=2) for c in (b, b[:, ::-1]))
+    ).min(axis=1)
+    return np.array([np.count_nonzero(middle <= within), np.count_nonzero(ends <= within)])
+
+
+def measured_coasts():
+    if no_coasts(*"lihf"):
+        return
+    rows, found = [], {}
+    for letter in "lihf":
+        begun = time.process_time()
+        land = lands(letter)
+        found[letter] = [(shape, ends_of_cuts(shape, TAU)) for shape in land]
+        count = [len(cuts) for _, cuts in found[letter]]
+        rows.append((letter, sum(count), " ".join(map(str, count)), f"{time.process_time() - begun:.1f} s"))
+    print(f"The ten largest land masses of GSHHG, tau = {TAU:g}; to reach: within 15 %")
+    table(("detail", "cuts", "of each", "time"), rows)
+    rows = []
+    for name, one, other in (("i in f", "i", "f"), ("f in i", "f", "i")):
+        hit, total = np.zeros(2, dtype=int), 0
+        for shape, cuts in found[one]:
+            twin = min(found[other], key=lambda pair: pair[0].centroid.distance(shape.centroid))
+            west, south, east, north = ground(shape).bounds
+            hit += near(cuts, twin[1], 0.02 * max(east - west, north - south))
+            total += len(cuts)
+        rows.append((name, total, *(f"{share:.0%}" for share in hit / total)))
+    print("Of these cuts, within 2 % of the land mass's width of each other; to reach: 85 %")
+    table(("", "cuts", "middles", "both ends"), rows)
+
+
+def measured_necks():
+    """The named necks of docs/choosing_tau.md: the numbers are read from the script behind it."""
+    if not WORLD.exists():
+        print(f"skipped: {WORLD.name} is not where QGIS has it\n")
+        return
+    source = (conftest.ROOT / "tools/choosing_tau.py").read_text()
+    begin = source.index("NECKS = {")
+    names = {}
+    exec(source[begin : source.index("}\n", begin) + 2], names)
+    canals = {"Panama", "Africa, at Suez"}  # where GSHHG has open water
+    least = 1e9  # 1,000 square kilometres: the smallest land that one of them holds, Cotentin, has more
+    land = shapely.union_all(shapely.make_valid(features("countries")))
+    maps = {"QGIS's map": [one for one in shapely.get_parts(land) if one.area > 5]}
+    for letter in "li":  # on h and f, 22 necks against each cut take long and say the same
+        if gshhg.installed(letter):
+            maps[f"GSHHG {letter}"] = lands(letter, 12)
+    rows = {name: [name] for name in names["NECKS"]}
+    total = [], []
+    for label, shape in maps.items():
+        best = {name: (np.inf, 0.0) for name in names["NECKS"]}
+        for one in shape:
+            if ground(one).area > 3 * least:
+                ring = shapely.get_coordinates(one.exterior)[:-1]
+                cuts = ends_of_cuts(one, TAU, least / ground(one).area)
+                for name, ends in names["NECKS"].items():
+                    away, same = against_neck(ring, cuts, np.array(ends))
+                    best[name] = min(away, best[name][0]), max(same, best[name][1])
+        for name, (away, same) in best.items():
+            absent = name in canals and label != "QGIS's map"
+            rows[name].append("" if absent else f"{same:.2f}, {away:.0f} km")
+        real = [best[name] for name in best if name not in canals or label == "QGIS's map"]
+        total[0].append(f"{np.mean([same >= 0.75 for _, same in real]):.0%}")
+        total[1].append(f"{np.mean([away <= 60.0 for away, _ in real]):.0%}")
+    print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
+          "coast in common with what the neck holds (of the coast that either has), and how far the ends of "
+          "the nearest cut lie from the place; to reach: 90 %")
+    table(("neck", *maps), [
+        *rows.values(), ["**three quarters of the coast in common**", *total[0]],
+        ["**ends within 60 km**", *total[1]],
+    ])
+
+
+def against_neck(ring, cuts, ends):
+    """Distance of the nearest cut's ends from a neck's (km), and the largest share of coast in common."""
+    place = GLOBE.positions(ring)
+    a, b = GLOBE.positions(ends)
+    u, v = (int(np.argmin(np.linalg.norm(place - end, axis=1))) for end in (a, b))
+    if not len(cuts) or max(np.linalg.norm(place[u] - a), np.linalg.norm(place[v] - b)) > 60_000:
+        return np.inf, 0.0
+    end = GLOBE.positions(cuts.reshape(-1, 2)).reshape(-1, 2, 3)
+    away = [
+        np.maximum(np.linalg.norm(end[:, k] - a, axis=1), np.linalg.norm(end[:, 1 - k] - b, axis=1))
+        for k in (0, 1)
+    ]
+    step = np.linalg.norm(np.roll(place, -1, axis=0) - place, axis=1)
+    row = {tuple(xy): k for k, xy in enumerate(ring.tolist())}
+    neck = interval(u, v, step)
+    best = 0.0
+    for cut in cuts.tolist():
+        held = interval(*(row[tuple(xy)] for xy in cut), step)
+        for other in (held, ~held):
+            best = max(best, step[neck & other].sum() / step[neck | other].sum())
+    return np.minimum(*away).min() / 1000.0, best
+
+
+def interval(u, v, step):
+    """Which edges of a ring lie on the shorter way between two vertices."""
+    one = np.zeros(len(step), dtype=bool)
+    one[min(u, v) : max(u, v)] = True
+    return one if step[one].sum() <= step[~one].sum() else ~one
+
+
+# -------------------------------------------------------------------------------------------- basins
+
+
+def measured_basins():
+    import json
+
+    folder = SHARED / "data/basins"
+    if missing(folder):
+        return
+
+    def read(name):
+        text = json.loads((folder / f"{name}.geojson").read_text())
+        return [shapely.from_geojson(json.dumps(one["geometry"])) for one in text["features"]]
+
+    rows = []
+    for name in ("baltic", "michigan_huron", "persian_oman"):
+        sea, truth = read(f"{name}_input")[0], [shapely.make_valid(one) for one in read(f"{name}_truth")]
+        told = shapes.from_shapely(sea)
+        whole = ground(sea).area
+        for tau in (TAU, 4.0):
+            prepared = natural_parts.prepare(one_polygon(*told), SMALLEST * whole, GLOBE)[0]
+            result = solve.finish(prepared, solve.select(prepared, tau))
+            parts = [
+                shapely.Polygon(told.coords[part[0], :2], [told.coords[hole, :2] for hole in part[1:]])
+                for part in result.parts.rings
+            ]
+            rows.append((name, len(truth), tau, len(parts), np.count_nonzero(result.role == 0),
+                         f"{rand_index(parts, truth):.2f}"))
+    print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
+    table(("water", "names", "tau", "parts", "cuts", "ARI"), rows)
+
+
+def rand_index(parts, truth):
+    """Adjusted Rand index by area: two places are together or apart."""
+    parts, truth = ground(np.array(parts)), ground(np.array(truth))
+    both = shapely.area(shapely.intersection(parts[:, None], truth[None]))
+    both /= both.sum()
+    together = (both**2).sum()
+    one, other = (both.sum(axis=1) ** 2).sum(), (both.sum(axis=0) ** 2).sum()
+    return (together - one * other) / ((one + other) / 2 - one * other)
+
+
+# ------------------------------------------------------------------------------------ levels and time
+
+
+def measured_levels():
+    """Nested cuts beside the optimum."""
+    told = []
+    path = SHARED / "data/shapes/shapes_dev.npz"
+    sets = {}
+    if not missing(path):
+        data = np.load(path)
+        told = np.split(data["ring"], data["ring_start"][1:-1])
+        sets["silhouettes"] = natural_parts.prepare(
+            stages.together([(ring, [0, len(ring)]) for ring in told]), lambda area: 0.002 * area
+        )[0]
+    if WORLD.exists():
+        polygons = shapely.get_parts(np.array(features("countries")))
+        polygons = [one for one in polygons if shapely.area(ground(one)) > 1e9 and one.is_valid]
+        sets["countries"] = natural_parts.prepare(
+            stages.together([shapes.from_shapely(one) for one in polygons]),
+            lambda area: SMALLEST * area, GLOBE,
+        )[0]
+    if not no_coasts("i"):
+        land = [shapes.from_shapely(shapely.Polygon(one.exterior)) for one in lands("i")]
+        sets["coasts"] = natural_parts.prepare(stages.together(land), lambda area: 1e-3 * area, GLOBE)[0]
+    taus = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0)
+    rows = []
+    for name, prepared in sets.items():
+        found = hierarchy(prepared, solve.select(prepared, taus[0], with_dilation=False))
+        nested = [np.count_nonzero(found.persistence > tau) for tau in taus]
+        best = [len(solve.select(prepared, tau, with_dilation=False).selected) for tau in taus]
+        rows += [(name, "nested", *nested), (name, "optimum", *best)]
+    print("Cuts by tau: one nested set beside the optimum for each tau")
+    table(("", "", *(f"{tau:g}" for tau in taus)), rows)
+
+
+def measured_time():
+    """What the stage costs beside the triangulation, and the hierarchy beside the partition."""
+    rows = []
+    told = []
+    if not no_coasts("f"):
+        told.append(("coast", gshhg.eurasia("f"), GLOBE))
+    n = 580_000
+    x = np.arange(n, dtype=float)
+    rough = np.random.default_rng(1).uniform(-0.2, 0.2, (2, n))
+    corridor = np.concatenate((np.column_stack((x, rough[0])), np.column_stack((x, 3 + rough[1]))[::-1]))
+    told.append(("corridor", corridor, metric.planar()))
+    for name, ring, measure in told:
+        clock = [time.process_time()]
+
+        def lap():
+            clock.append(time.process_time())
+
+        polygons, _ = from_rings(one_polygon(ring, [0, len(ring)]))
+        lap()
+        triangles, _ = triangulate(polygons, conformal=measure.conformal)
+        lap()
+        edges = diagonals(polygons, triangles)
+        position = measure.positions(polygons.xy)
+        area = natural_parts.shell_areas(polygons, measure)
+        lap()
+        found = natural(polygons, edges, triangles, position, measure, SMALLEST * area)
+        lap()
+        prepared = natural_parts.prepare(None, SMALLEST * area, measure, polygons)[0]
+        selection = solve.select(prepared, 1.0)
+        solve.finish(prepared, selection)
+        lap()
+        hierarchy(prepared, selection)
+        lap()
+        rows.append((name, f"{len(ring):,}", int(found.kept.sum()),
+                     *(f"{d:.2f}" for d in np.diff(clock)[[0, 1, 3, 4, 5]])))
+    print("Seconds of one processor")
+    table(("", "vertices", "candidates", "checks", "triangulation", "natural", "partition after the checks",
+           "hierarchy after it"), rows)
+
+
+PARTS = {
+    name.removeprefix("measured_"): function
+    for name, function in list(globals().items()) if name.startswith("measured_")
+}
+
+if __name__ == "__main__":
+    unknown = set(sys.argv[1:]) - set(PARTS)
+    if unknown:
+        sys.exit(f"{', '.join(sorted(unknown))}: choose from {', '.join(PARTS)}\n{__doc__}")
+    for name in sys.argv[1:] or PARTS:
+        PARTS[name]()

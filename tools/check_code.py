@@ -1,0 +1,86 @@
+"""Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
+
+Lint and the order of imports by ruff, types in core by mypy, and here that what is public in core/rings.py
+and core/partition/ says the types of all it takes and returns. Prints what it checked; exits with 1 if
+there is a fault.
+"""
+
+import argparse
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+TYPED = ("core/*.py", "core/partition/*.py")
+
+
+def untyped(source):
+    """Return the public functions and methods of a module with an argument or a result without a type.
+
+    Parameters
+    ----------
+    source : str
+
+    Returns
+    -------
+    list of str
+        Lines like ``12: name``.
+    """
+    found = []
+
+    def visit(body):
+        for node in body:
+            if not isinstance(node, (ast.ClassDef, ast.FunctionDef)) or node.name.startswith("_"):
+                continue
+            if isinstance(node, ast.ClassDef):
+                visit(node.body)
+                continue
+            its = node.args
+            arguments = [*its.posonlyargs, *its.args, *its.kwonlyargs, its.vararg, its.kwarg]
+            missing = any(a and a.annotation is None and a.arg not in ("self", "cls") for a in arguments)
+            if missing or node.returns is None:
+                found.append(f"{node.lineno}: {node.name}")
+
+    visit(ast.parse(source).body)
+    return found
+
+
+def annotation_faults(folder):
+    """Return what `untyped` finds in the modules of core that must be typed, as sentences."""
+    return [
+        f"{path.relative_to(folder)}:{one} does not say all its types"
+        for pattern in TYPED
+        for path in sorted(folder.glob(pattern))
+        for one in untyped(path.read_text(encoding="utf-8"))
+    ]
+
+
+def output(programs, folder, name, *arguments):
+    """Return the lines that a program prints of its findings."""
+    done = subprocess.run([programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8")
+    if done.returncode not in (0, 1):
+        raise RuntimeError(f"{name} failed: {done.stderr or done.stdout}")
+    return done.stdout.splitlines() if done.returncode else []
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--programs", type=Path, default=Path(sys.executable).parent)
+    options = parser.parse_args()
+    folder, programs = options.folder.resolve(), options.programs.absolute()
+
+    checks = {
+        "ruff": output(programs, folder, "ruff", "check", "--quiet", "--output-format=concise", "."),
+        "mypy": output(programs, folder, "mypy", "--no-error-summary"),
+        "types of what is public": annotation_faults(folder),
+    }
+    for check, lines in checks.items():
+        print(f"{check}: {'ok' if not lines else f'{len(lines)} lines'}")
+        for line in lines:
+            print(f"    {line}")
+    return any(checks.values())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
