@@ -8,7 +8,6 @@ from qgis.core import (
     QgsProcessing,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterNumber,
-    QgsProcessingParameters,
     QgsProcessingUtils,
     QgsPropertyDefinition,
     QgsWkbTypes,
@@ -16,9 +15,11 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ...core.progress import checker, stretch
-from ..base import Steps, counted, style_on_load
+from ..base import counted
 from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .cutting import PartitionTool, report_rules
 from .solving import pieces, prepare, read
@@ -156,17 +157,17 @@ class HierarchyAlgorithm(PartitionTool):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
-        steps = Steps(source, feedback)
+        reader = Reader(source, feedback)
         tau_of = self.dynamic(parameters, self.TAU, context, source)
         parts_of = None
         if parameters.get(self.PARTS) is not None:
             parts_of = self.dynamic(parameters, self.PARTS, context, source)
         with Sinks(self, parameters, context, feedback) as sinks:
-            writer = _Writer(self, source, steps.wkb_type, sinks)
+            writer = _Writer(self, source, reader.wkb_type, sinks)
             settings = self.settings(parameters, context, source, feedback)
-            check = checker(steps.progress, feedback.isCanceled)
+            check = checker(reader.progress, feedback.isCanceled)
             try:
-                for features in steps.chunks():
+                for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.4))
                         nested = _nest(problem, tau_of, parts_of, stretch(check, 0.4, 0.8))

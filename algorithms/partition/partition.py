@@ -14,22 +14,23 @@ close to each other, but the way along the outline is long: many times longer th
 line. The tool finds the smallest number of cuts that leaves no place with a detour above tau.
 Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.</p>
 <h3>Choosing tau</h3>
-<p>4 is a good start; smaller values cut more. Necks that people have named mostly have a detour
-between 5 and 30, and the more detailed an outline, the larger its detours. <i>Detour trade-off
-curve</i> shows what each value costs.</p>
-<p>If creeks and inlets are cut off that you do not care for, raise <i>Ignore cuts below</i>. If
-lakes or islands attract cuts, raise <i>Ignore holes below</i>.</p>
+<p>3 is a good start; smaller values cut more. <i>Detour trade-off curve</i> shows what each value
+costs, and <i>Hierarchy of natural parts</i> answers all of them at once.</p>
+<p>Cuts lie at <i>natural</i> places only: where the outline is concave and the polygon opens up beside the
+cut, as people see parts, and where no side is smaller than <i>Smallest part</i>. Lengths of the outline are
+then measured without the detail that is much smaller. Choose <i>Any</i> and 0 for the problem of the paper,
+where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.</p>
 {lists}
 <h3>Units</h3>
 <p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
 metres and square metres on the ellipsoid. The results stay in the CRS of the layer.</p>
 <h3>Guarantee</h3>
 <p>Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection,
-if its coordinates are degrees), and the cuts are chosen from them. In the result the way along the
+if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them. In the result the way along the
 outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no
 solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a proven lower bound of the
-cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for a
-polygon. Holes are first joined by shortest cuts; what follows is a good solution, not always
+cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for each
+polygon on average. Holes are first joined by shortest cuts; what follows is a good solution, not always
 the best, and the lower bound is that of the polygon opened along these cuts.</p>
 <p>Multipart features are split part by part. What cannot be split (invalid geometry, for one)
 passes through unchanged, with the reason in the field <i>status</i>.</p>
