@@ -216,7 +216,7 @@ def prepare(chunk, settings, check=ignore):
         for polygon, reason in more.items():
             verdict[polygon] = reason
     number = prepared.polygons.number
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         shell_share = shell[number] / feature_area[chunk.owner[number]]
     problem = Problem(chunk, prepared, weight, verdict, shell_share)
     for feature, reason in reasons.items():

@@ -165,10 +165,9 @@ def test_multipart_features_are_ranked_as_one(run, layer):
 
 def test_z_and_m_stay_bit_for_bit(run, layer):
     points = QgsGeometry.fromWkt(ROOMS).asPolygon()[0]
-    ring = ",".join(
-        f"{p.x()} {p.y()} {math.sin(k):.17g} {k}.125" for k, p in enumerate([*points[:-1], points[0]])
-    )
-    source = layer("PolygonZM?crs=EPSG:3857", [(f"PolygonZM(({ring}))", [])])
+    ring = [f"{p.x()} {p.y()} {math.sin(k):.17g} {k}.125" for k, p in enumerate(points[:-1])]
+    # closed in Z and M too: newer versions of QGIS see no area in a ring that is not
+    source = layer("PolygonZM?crs=EPSG:3857", [(f"PolygonZM(({','.join([*ring, ring[0]])}))", [])])
     given = {(v.x(), v.y()): [] for v in source.getFeature(1).geometry().vertices()}
     for v in source.getFeature(1).geometry().vertices():
         given[v.x(), v.y()].append((v.z(), v.m()))
