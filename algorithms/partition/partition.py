@@ -16,18 +16,19 @@ Cuts join existing vertices: no vertex is moved or added, and the parts fit toge
 <h3>Choosing tau</h3>
 <p>3 is a good start; smaller values cut more. <i>Detour trade-off curve</i> shows what each value
 costs, and <i>Hierarchy of natural parts</i> answers all of them at once.</p>
-<p>Cuts lie at <i>natural</i> places only: where the outline is concave and the polygon opens up beside the
-cut, as people see parts, and where no side is smaller than <i>Smallest part</i>. Lengths of the outline are
-then measured without the detail that is much smaller. Choose <i>Any</i> and 0 for the problem of the paper,
-where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.</p>
+<p>Cuts lie at <i>natural</i> places only: where the outline is concave and the polygon opens up beside
+the cut, as people see parts, and where no side is smaller than <i>Smallest part</i>. Lengths of the
+outline are then measured without the detail that is much smaller. Choose <i>Any</i> and 0 for the problem
+of the paper, where every diagonal counts; detours then grow with the detail of the outline, and tau
+should be 4 or more.</p>
 {lists}
 <h3>Units</h3>
 <p>Lengths and areas are in the units of the layer; if its coordinates are degrees, they are
 metres and square metres on the ellipsoid. The results stay in the CRS of the layer.</p>
 <h3>Guarantee</h3>
 <p>Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection,
-if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them. In the result the way along the
-outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no
+if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them.
+In the result the way along the outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no
 solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a proven lower bound of the
 cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for each
 polygon on average. Holes are first joined by shortest cuts; what follows is a good solution, not always
