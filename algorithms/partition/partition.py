@@ -29,10 +29,10 @@ metres and square metres on the ellipsoid. The results stay in the CRS of the la
 <p>Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection,
 if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them.
 In the result the way along the outline and the cuts is at most tau times as long as each diagonal.
-For a polygon without holes no solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a proven lower bound of the
-cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for each
-polygon on average. Holes are first joined by shortest cuts; what follows is a good solution, not always
-the best, and the lower bound is that of the polygon opened along these cuts.</p>
+For a polygon without holes no solution has fewer cuts. <i>MinLength</i> and <i>MinWeight</i> come with a
+proven lower bound of the cost; the search ends where the gap to it is as small as you ask for, or after
+nine minutes for each polygon on average. Holes are first joined by shortest cuts; what follows is a good
+solution, not always the best, and the lower bound is that of the polygon opened along these cuts.</p>
 <p>Multipart features are split part by part. What cannot be split (invalid geometry, for one)
 passes through unchanged, with the reason in the field <i>status</i>.</p>
 <h3>Method</h3>
