@@ -22,7 +22,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
-from ..partition.solving import Settings, measure_of, pieces, prepare, read, weigh_by_length
+from ..partition.solving import Settings, measure_of, pieces, prepare, read, reasons_of, weigh_by_length
 from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -213,9 +213,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         skipped = 0
         for number, feature in enumerate(kept):
             lo, hi = of_area[number], of_area[number + 1]
-            problems = list(dict.fromkeys(reason for reason in status[lo:hi] if reason))
-            if lo == hi:
-                problems = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+            problems = reasons_of(feature, status[lo:hi])
             if problems:
                 skipped += 1
                 feedback.pushWarning(f"Area {feature.id()} was not cut: {'; '.join(problems)}.")
@@ -245,7 +243,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         empty = [number for number in range(len(kept)) if of_area[number] == of_area[number + 1]]
         for number in empty:
             feature = kept[number]
-            reason = "it has no geometry" if not feature.hasGeometry() else "it is empty"
+            (reason,) = reasons_of(feature, ())
             values = [feature.id(), layer.NULL, 0.0, reason]
             sinks.add(
                 self.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"

@@ -37,6 +37,7 @@ from .solving import (
     pieces,
     prepare,
     read,
+    reasons_of,
     weigh_by_expression,
     weigh_by_length,
 )
@@ -455,9 +456,7 @@ class _Writer:
         for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
             check(f / len(chunk.features) if f % 8 == 0 else None)
             lo, hi = bounds[f], bounds[f + 1]
-            reasons = list(dict.fromkeys(verdict for verdict in verdicts[lo:hi] if verdict))
-            if lo == hi:
-                reasons = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+            reasons = reasons_of(feature, verdicts[lo:hi])
             attributes, origin = feature.attributes(), f"feature {feature.id()}"
             if reasons:
                 self.numbers[tool.SKIPPED_COUNT] += 1

@@ -22,7 +22,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .cutting import PartitionTool, report_rules
-from .solving import pieces, prepare, read
+from .solving import pieces, prepare, read, reasons_of
 
 # "Without end": every format stores it, a shapefile's 24 characters too
 NO_END = 1e9
@@ -337,9 +337,7 @@ class _Writer:
         cuts, lines = self._cuts(problem, nested) if self.with_cuts else ([], None)
         for f, feature in enumerate(chunk.features):
             lo, hi = bounds[f], bounds[f + 1]
-            reasons = list(dict.fromkeys(verdict for verdict in verdicts[lo:hi] if verdict))
-            if lo == hi:
-                reasons = ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+            reasons = reasons_of(feature, verdicts[lo:hi])
             attributes, origin = feature.attributes(), f"feature {feature.id()}"
             if reasons:
                 self.numbers[tool.SKIPPED_COUNT] += 1

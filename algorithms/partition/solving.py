@@ -239,6 +239,13 @@ def _floors(chunk, settings):
     return floors, reasons
 
 
+def reasons_of(feature, verdicts):
+    """Return why polygons of a feature were not solved, each reason once, by the verdicts of all of them."""
+    if not len(verdicts):
+        return ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+    return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
+
+
 def by_feature(problem, values):
     """Sum up numbers of the prepared polygons that are solved, for each feature."""
     import numpy as np

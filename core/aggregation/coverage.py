@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from ..rings import following as next_in_ring
 from ..rings import signed_areas
 
 __all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads"]
@@ -108,8 +109,7 @@ def cover(coords, offsets, ring_polygon, tolerance=None):
     point = point.ravel()
     points = np.column_stack((points.real, points.imag))
     ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    following = np.arange(1, k + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
+    following = next_in_ring(offsets)
     first = np.append(True, ring_polygon[1:] != ring_polygon[:-1])
     backwards = (signed_areas(xy, offsets) > 0) != first
     edge = np.arange(k)
@@ -277,8 +277,7 @@ def centroids(coverage, plane, count):
     origin = plane[offsets[:-1]]
     ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     x, y = (plane - origin[ring]).T
-    following = np.arange(1, len(plane) + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
+    following = next_in_ring(offsets)
     cross = x * y[following] - x[following] * y
     area = 0.5 * np.add.reduceat(cross, offsets[:-1])
     moment = np.column_stack((
@@ -314,8 +313,7 @@ def spreads(coverage, plane, owner):
     count = int(owner.max(initial=-1)) + 1
     if len(offsets) < 2 or not len(plane):
         return np.zeros(count)
-    following = np.arange(1, len(plane) + 1)
-    following[offsets[1:] - 1] = offsets[:-1]
+    following = next_in_ring(offsets)
     x, y = plane.T
     u, v = plane[following].T
     cross = x * v - u * y
