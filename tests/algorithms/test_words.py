@@ -61,3 +61,30 @@ def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
     assert plugin.menu is None
     plugin.unload()
     assert registry.providers() == before
+
+
+def test_german(tool, tmp_path, monkeypatch, qgis_app, provider):
+    """The tools speak German where QGIS does; names, values and defaults stay."""
+    from isthmus.algorithms import words
+    from qgis.PyQt.QtCore import QCoreApplication
+
+    translate = tool("translate")
+    (tmp_path / "i18n").mkdir()
+    data = translate.compiled(translate.read(translate.FILE.read_text(encoding="utf-8")))
+    (tmp_path / "i18n" / "isthmus_de.qm").write_bytes(data)
+    monkeypatch.setattr(words, "ROOT", tmp_path)
+    english = QgsApplication.processingRegistry().algorithmById("isthmus:partition").create()
+    assert words.load_translation("fr") is None
+    translator = words.load_translation("de_AT")
+    try:
+        german = english.create()
+        assert german.displayName() == "Polygone an Engstellen zerlegen" and german.group() == "Zerlegung"
+        assert "Halbinsel" in german.shortHelpString() and "{lists}" not in german.shortHelpString()
+        (tau,) = [p for p in german.parameterDefinitions() if p.name() == "TAU"]
+        assert tau.description() == "Größter Umweg (tau)" and tau.defaultValue() == 3
+        assert [p.name() for p in german.parameterDefinitions()] == [p.name() for p in english.parameterDefinitions()]
+        for parameter in german.parameterDefinitions():  # the form is that wide
+            assert len(parameter.description()) <= 52, parameter.description()
+    finally:
+        QCoreApplication.removeTranslator(translator)
+    assert english.create().displayName() == "Partition polygons at bottlenecks"
