@@ -1,8 +1,9 @@
 """Packages that QGIS lacks, fetched as wheels into a folder of the user's profile.
 
-QGIS's own Python, numpy above all, stays as it is: the folder stands before it on ``sys.path`` and has only what is
-missing. No pip is needed, which QGIS does not have everywhere, and nothing is resolved that could bring a numpy
-along: of each package the newest wheel is taken that fits this Python, this system and the numpy that is there.
+QGIS's own Python, numpy above all, stays as it is: the folder stands before it on ``sys.path`` and has
+only what is missing. No pip is needed, which QGIS does not have everywhere, and nothing is resolved that
+could bring a numpy along: of each package the newest wheel is taken that fits this Python, this system and
+the numpy that is there.
 """
 
 import hashlib
@@ -156,8 +157,8 @@ def find(name, numpy_version, get):
         if set(wants) <= {"numpy"} and accepts(wants.get("numpy", ""), numpy_version):
             return wheel
     raise PackageError(
-        f"There is no wheel of {name} for Python {platform.python_version()} on {sysconfig.get_platform()} with "
-        f"numpy {numpy_version}. A newer QGIS may have one."
+        f"There is no wheel of {name} for Python {platform.python_version()} on {sysconfig.get_platform()} "
+        f"with numpy {numpy_version}. A newer QGIS may have one."
     )
 
 
@@ -167,7 +168,9 @@ def fits_tags(python, abi, platforms):
     if sys.implementation.name != "cpython":
         return False
     if abi == "abi3":
-        right = any(re.fullmatch(r"cp3\d+", tag) and int(tag[3:]) <= sys.version_info[1] for tag in python.split("."))
+        right = any(
+            re.fullmatch(r"cp3\d+", tag) and int(tag[3:]) <= sys.version_info[1] for tag in python.split(".")
+        )
     else:
         right = abi == own and own in python.split(".") or abi == "none" and "py3" in python.split(".")
     return right and any(map(fits_platform, platforms.split(".")))
@@ -189,11 +192,15 @@ def fits_platform(tag, system=None, machine=None, release=None):
     if tag == "any":
         return True
     if system == "win32":
-        return tag == {"amd64": "win_amd64", "x86_64": "win_amd64", "arm64": "win_arm64", "x86": "win32"}.get(machine)
+        names = {"amd64": "win_amd64", "x86_64": "win_amd64", "arm64": "win_arm64", "x86": "win32"}
+        return tag == names.get(machine)
     if system == "darwin":
         match = re.fullmatch(r"macosx_(\d+)_(\d+)_(\w+)", tag)
         release = release or numbers(platform.mac_ver()[0])[:2]
-        return bool(match) and (int(match[1]), int(match[2])) <= release and match[3] in (machine, "universal2")
+        return (
+            bool(match) and (int(match[1]), int(match[2])) <= release
+            and match[3] in (machine, "universal2")
+        )  # fmt: skip
     match = re.fullmatch(r"(manylinux\d+|manylinux_(\d+)_(\d+))_(\w+)", tag)
     if not match or match[4] != machine:
         return False
@@ -300,8 +307,8 @@ def fetch(url, headers=None, feedback=None):
         raise PackageError("Stopped. Nothing was changed.")
     if error != QgsBlockingNetworkRequest.ErrorCode.NoError:
         raise PackageError(
-            f"{QUrl(url).host()} cannot be reached: {blocking.errorMessage()}. Nothing was changed. Is there a network, "
-            "and has QGIS its proxy (Settings, Options, Network)?"
+            f"{QUrl(url).host()} cannot be reached: {blocking.errorMessage()}. Nothing was changed. Is there "
+            "a network, and has QGIS its proxy (Settings, Options, Network)?"
         )
     return bytes(blocking.reply().content())
 
@@ -328,7 +335,9 @@ def install(names, numpy_version, say, feedback=None, get=None):
         say(f"{wheel.filename}, {wheel.size / 1e6:.1f} MB, from {wheel.url.split('/')[2]}")
         data = get(wheel.url, {})
         if hashlib.sha256(data).hexdigest() != wheel.sha256:
-            raise PackageError(f"{wheel.filename} has come damaged: its checksum is wrong. Nothing was changed. Try again.")
+            raise PackageError(
+                f"{wheel.filename} has come damaged: its checksum is wrong. Nothing was changed. Try again."
+            )
         archives.append((wheel, data))
     place = folder()
     place.mkdir(parents=True, exist_ok=True)

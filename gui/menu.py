@@ -21,8 +21,9 @@ class Menu:
         self.menu.setToolTipsVisible(True)
         provider = QgsApplication.processingRegistry().providerById("isthmus")
         for tool in provider.algorithms():
+            name = tool.id()
             action = self._add(
-                f"{tool.displayName()}…", lambda _=False, name=tool.id(): self.open_tool(name), tool.icon()
+                f"{tool.displayName()}…", lambda _=False, name=name: self.open_tool(name), tool.icon()
             )
             action.setToolTip(tool.shortDescription())
         self.menu.addSeparator()

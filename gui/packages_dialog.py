@@ -59,15 +59,16 @@ class PackagesDialog(QDialog):
         if names:
             self.text.setText(tr(
                 "These Python packages are missing in QGIS. A click fetches them from pypi.org and puts them "
-                "into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above all, stay "
-                "as they are."
+                "into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above "
+                "all, stay as they are."
             ).format(folder=packages.folder()))  # fmt: skip
         else:
             self.text.setText(tr("Nothing is missing: all tools can run."))
         self.install_button.setEnabled(bool(names) and self.task is None)
         self.remove_button.setEnabled(bool(packages.installed()) and self.task is None)
         if packages.installed():
-            self.log.appendPlainText(tr("In the folder: {names}").format(names=", ".join(packages.installed())))
+            there = ", ".join(packages.installed())
+            self.log.appendPlainText(tr("In the folder: {names}").format(names=there))
 
     def install(self):
         """Fetch what is chosen, in the background."""

@@ -1,8 +1,8 @@
 """Cuts for every tau and every number of parts, at once: what the panel shows while its slider moves.
 
-All that takes long is done once (`preview`): reading, triangulating, the choice of candidates, and the hierarchy. What
-`isthmus:partition` does for one tau then takes a hundredth of a second, so the panel shows the very cuts that the
-tool makes; the levels by number of parts are those of `isthmus:hierarchy`.
+All that takes long is done once (`preview`): reading, triangulating, the choice of candidates, and the
+hierarchy. What `isthmus:partition` does for one tau then takes a hundredth of a second, so the panel shows
+the very cuts that the tool makes; the levels by number of parts are those of `isthmus:hierarchy`.
 """
 
 from typing import NamedTuple
@@ -35,8 +35,8 @@ class Preview(NamedTuple):
     ----------
     problems : list of Problem
     nested : list
-        Of each problem the selected edges at the smallest tau, their persistence, whether they connect holes, and
-        their place among the others of their feature (0 for the most persistent).
+        Of each problem the selected edges at the smallest tau, their persistence, whether they connect
+        holes, and their place among the others of their feature (0 for the most persistent).
     tau : float
         The smallest.
     """
@@ -119,7 +119,8 @@ class Preview(NamedTuple):
             ends.append(problem.chunk.rings.coords[:, :2][prepared.edge_rows[selected]])
             parts += len(problem.chunk.owner) + int((~np.isin(selected, tree)).sum())
         ends = np.concatenate(ends)
-        lines = np.zeros(len(ends), np.dtype([("order", "u1"), ("kind", "<u4"), ("count", "<u4"), ("xy", "<f8", (2, 2))]))
+        line = np.dtype([("order", "u1"), ("kind", "<u4"), ("count", "<u4"), ("xy", "<f8", (2, 2))])
+        lines = np.zeros(len(ends), line)
         lines["order"], lines["kind"], lines["count"], lines["xy"] = 1, 2, 2, ends
         head = np.array([5, len(ends)], "<u4").tobytes()
         return Shown(b"\x01" + head + lines.tobytes(), len(ends), parts)
