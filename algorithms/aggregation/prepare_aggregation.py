@@ -22,7 +22,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
-from ..partition.solving import Settings, measure_of, pieces, prepare, read, reasons_of, weigh_by_length
+from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -157,6 +157,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
 
         from ...core.aggregation.coverage import faults
         from ...core.errors import Cancelled
+        from ...core.partition.features import pieces, weigh_by_length
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
