@@ -155,6 +155,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
+        from ...core.aggregation.areas import arrange, neighbours
         from ...core.aggregation.coverage import faults
         from ...core.errors import Cancelled
         from ...core.partition.features import pieces, weigh_by_length
@@ -223,7 +224,9 @@ class PrepareAggregationAlgorithm(PartitionTool):
 
         feedback.setProgressText("Finding shared boundaries")
         rings = _joined([own for _, _, own in cut])
-        found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
+        found = arrange(  # piece by piece
+            range(len(area)), rings, np.arange(len(area)), settings.measure, layer.metres_of(crs)
+        )
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
             [wkb.dimensions(reader.wkb_type)] * len(area), multi,
@@ -251,7 +254,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
             )
 
         if with_table:
-            pairs, length = layer.neighbours(found)
+            pairs, length = neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
                 sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])

@@ -32,7 +32,6 @@ from qgis.core import (
 )
 
 from ..layers import wkb
-from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem, install_hint
 from ..layers.source import WITHOUT_VALIDITY_CHECK
@@ -287,6 +286,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
+        from ...core.metric import FARTHEST
 
         begun = time.monotonic()
         crs = source.sourceCrs()
@@ -386,6 +386,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         """The region in focus, in the CRS of the map."""
         import numpy as np
         import shapely
+
+        from ...core.metric import FARTHEST
 
         found = []
         for geometry in _geometries(source, crs, context):
