@@ -286,6 +286,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
+        from ...core.focus.globe import on_the_globe
         from ...core.metric import FARTHEST
 
         begun = time.monotonic()
@@ -320,7 +321,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         frame = self.parameterAsBoolean(parameters, self.FRAME, context)
         growth, aspect = self.parameterAsDouble(parameters, self.GROWTH, context) / 100.0, 1.0
         if crs.isGeographic():
-            growth, aspect = _on_the_globe(rows, growth)
+            growth, aspect = on_the_globe(rows, growth)
             feedback.pushInfo(
                 f"The map is in degrees ({crs.authid()}). It is solved in the equidistant cylindrical "
                 f"projection with true lengths at latitude {math.degrees(math.acos(aspect)):.1f}, and "
@@ -547,17 +548,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             context.temporaryLayerStore().addMapLayer(carried)
             context.addLayerToLoadOnCompletion(carried.id(), details)
         return address
-
-
-def _on_the_globe(rows, growth):
-    """The growth for which a map in degrees stays on the globe, and its aspect."""
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    size = (high - low).tolist()
-    for axis, end in enumerate((180.0, 90.0)):
-        room = min(end + low[axis], end - high[axis])
-        growth = max(min(growth, 2.0 * room / size[axis] if size[axis] > 0.0 else growth), 0.0)
-    middle = min(abs(low[1] + high[1]) / 2.0, 85.0)
-    return growth, math.cos(math.radians(middle))
 
 
 def _with_points(geometry, rows, points, shares):

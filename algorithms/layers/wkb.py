@@ -169,30 +169,10 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     multi : bool
         Whether to wrap the polygons as multipolygons.
     """
-    import numpy as np
+    from ...core.wkb import polygons
 
-    from ...core.rings import offsets_of, ranges
-
-    size = np.diff(offsets)
-    closed = size + (size > 0)  # an empty ring stays empty
-    along = ranges(np.zeros(len(size), dtype=np.int64), closed)
-    along -= np.repeat(np.where(size > 0, size, 1), closed) * (along == np.repeat(size, closed))
-    data = coords[rows[np.repeat(offsets[:-1], closed) + along]]
-    width = coords.shape[1]
-    place = (8 * width * offsets_of(closed)).tolist()
-    counts = [_COUNT.pack(count) for count in closed.tolist()]
-    raw = data.tobytes()
-    bounds = ring_offsets.tolist()
-    for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
-        chunks = [_header(6 + more, 1)] if multi else []
-        chunks.append(_header(3 + more, hi - lo))
-        own = _width(more)
-        for ring in range(lo, hi):
-            part = raw[place[ring]:place[ring + 1]]
-            if own != width:
-                part = np.frombuffer(part).reshape(-1, width)[:, :own].tobytes()
-            chunks += (counts[ring], part)
-        yield _geometry(chunks)
+    for data in polygons(coords, rows, offsets, ring_offsets, extra, multi):
+        yield _geometry([data])
 
 
 def line_geometries(coords, rows, extra):
@@ -205,15 +185,10 @@ def line_geometries(coords, rows, extra):
     extra : (l,) int
         The `dimensions` of each line.
     """
-    import numpy as np
+    from ...core.wkb import lines
 
-    width = coords.shape[1]
-    raw, step = coords[rows].tobytes(), 16 * coords.shape[1]
-    for k, more in enumerate(extra):
-        part, own = raw[k * step:(k + 1) * step], _width(more)
-        if own != width:
-            part = np.frombuffer(part).reshape(2, width)[:, :own].tobytes()
-        yield _geometry([_header(2 + more, 2), part])
+    for data in lines(coords, rows, extra):
+        yield _geometry([data])
 
 
 def _width(extra):

@@ -67,16 +67,14 @@ def read(features, settings, feedback):
     import numpy as np
 
     from ...core import metric
-    from ...core.partition.features import Chunk
+    from ...core.partition.features import Chunk, beyond_the_poles
 
     rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in features)
     whole = Chunk(features, rings, owner, extra, settings.measure)
     if not settings.measure.conformal or not len(rings.coords):
         yield whole
         return
-    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
-    strange = np.zeros(len(features), dtype=bool)
-    strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
+    strange = beyond_the_poles(rings, owner, len(features))
     if not strange.any():
         yield whole
         return

@@ -168,6 +168,26 @@ class GivenLines:
         ]
 
 
+def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int) -> np.ndarray:
+    """Return which features have a latitude beyond 90 degrees, so that their CRS cannot be right.
+
+    Parameters
+    ----------
+    rings : Rings
+    owner : (q,) int
+    count : int
+        The number of features.
+
+    Returns
+    -------
+    (count,) bool
+    """
+    strange = np.zeros(count, dtype=bool)
+    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
+    strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
+    return strange
+
+
 def weigh_by_length(chunk: Chunk, near: list | None, prepared: Prepared) -> tuple[np.ndarray, dict]:
     """Return the weights of MinLength, and no reasons against any polygon."""
     return prepared.chord, {}
