@@ -1,7 +1,6 @@
 """The tool ``isthmus:aggregate``."""
 
 import contextlib
-import re
 from pathlib import Path
 
 from qgis.core import (
@@ -371,20 +370,6 @@ def highs_problem():
     return ""
 
 
-def _pieces(names):
-    """The fields area_id and size of Prepare areas for aggregation, whatever their numbers; or -1.
-
-    The areas may have had fields of these names themselves: then those of the tool have a number
-    (area_id_2), and come last, one after the other.
-    """
-    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
-    for k in range(len(names) - 4, -1, -1):
-        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
-            return k, k + 2
-    lower = [name.lower() for name in names]
-    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
-
-
 def _region_fields(class_field):
     """Fields of the regions; where the class has one of their names, theirs gets a number."""
     own = QgsFields()
@@ -428,13 +413,15 @@ class _Run:
     """One run of the tool."""
 
     def __init__(self, tool, parameters, context, feedback, source):
+        from ...core.aggregation.areas import piece_fields
+
         self.tool, self.parameters, self.context = tool, parameters, context
         self.feedback, self.source = feedback, source
         self.class_index = self.field(tool.CLASS)
         self.class_field = source.fields()[self.class_index]
         self.id_index = self.field(tool.AREA_ID, needed=False)
         self.size_index = -1
-        found, size = _pieces(source.fields().names())
+        found, size = piece_fields(source.fields().names())
         if self.id_index < 0 and found >= 0:
             self.id_index = found
             feedback.pushInfo(

@@ -155,7 +155,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
-        from ...core.aggregation.areas import arrange, neighbours
+        from ...core.aggregation.areas import arrange, joined_rings, neighbours
         from ...core.aggregation.coverage import faults
         from ...core.errors import Cancelled
         from ...core.partition.features import pieces, weigh_by_length
@@ -223,7 +223,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
-        rings = _joined([own for _, _, own in cut])
+        rings = joined_rings([own for _, _, own in cut])
         found = arrange(  # piece by piece
             range(len(area)), rings, np.arange(len(area)), settings.measure, layer.metres_of(crs)
         )
@@ -270,23 +270,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-
-
-def _joined(chunks):
-    """Rings of several chunks as one."""
-    import numpy as np
-
-    from ...core.rings import Rings, offsets_of
-
-    if not chunks:
-        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
-    # Z and M were made alike before; a chunk without any polygon has none
-    width = max(own.coords.shape[1] for own in chunks)
-    return Rings(
-        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
-        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
-        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
-    )
 
 
 def _class_index(tool, parameters, context, source):

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsFeatureSink,
     QgsFields,
     QgsGeometry,
-    QgsPoint,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -439,12 +438,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         row, vertex, share = result.splits.T
         for feature, one in zip(held, runs):
             count = sum(one.counts)
-            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
             lo, hi = row.searchsorted((start, start + count))
-            if hi > lo:
-                geometry = _with_points(
-                    geometry, row[lo:hi] - start, result.moved[vertex[lo:hi].astype(int)], share[lo:hi]
-                )
+            splits = zip(
+                (row[lo:hi].astype(int) - start).tolist(),
+                result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
+            )
+            geometry = feature.geometry()
+            if count:
+                geometry = one.moved(result.rows[start:start + count], list(splits))
             start += count
             sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
@@ -548,22 +549,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             context.temporaryLayerStore().addMapLayer(carried)
             context.addLayerToLoadOnCompletion(carried.id(), details)
         return address
-
-
-def _with_points(geometry, rows, points, shares):
-    """A geometry with points put in after some of its own, from the first to the last."""
-    abstract = geometry.get()
-    for row, (x, y), share in reversed(list(zip(rows.astype(int).tolist(), points.tolist(), shares))):
-        _, here = geometry.vertexIdFromVertexNr(row)
-        _, there = geometry.vertexIdFromVertexNr(row + 1)
-        a, b = abstract.vertexAt(here), abstract.vertexAt(there)
-        point = QgsPoint(x, y)
-        if a.is3D():
-            point.addZValue(a.z() + share * (b.z() - a.z()))
-        if a.isMeasure():
-            point.addMValue(a.m() + share * (b.m() - a.m()))
-        abstract.insertVertex(there, point)
-    return geometry
 
 
 def _discard(path):

@@ -202,88 +202,34 @@ def line_geometry(coords, rows, extra):
 
 
 class Runs:
-    """The coordinates of a geometry of any type, to be moved in place: Z, M and the rest stay.
+    """The coordinates of a geometry of any type, to be moved; see ``core.wkb.Runs``.
 
     Parameters
     ----------
     geometry : QgsGeometry
         Curves become segments.
-
-    Attributes
-    ----------
-    counts : list of int
-        The number of points of each run: a line, a ring with its closing point, or a point.
-    polygons : list of list of int
-        The runs that are rings of each polygon, its shell first.
     """
 
     def __init__(self, geometry):
-        self.counts, self.polygons = [], []
-        self._places, self._data = [], bytearray()
-        if geometry.isNull() or geometry.isEmpty():
-            return
-        abstract = geometry.constGet()
-        if QgsWkbTypes.isCurvedType(abstract.wkbType()):
-            abstract = abstract.segmentize()
-        self._data = bytearray(bytes(abstract.asWkb()))
-        self._read(0)
+        from ...core.wkb import Runs
+
+        data = b""
+        if not (geometry.isNull() or geometry.isEmpty()):
+            abstract = geometry.constGet()
+            if QgsWkbTypes.isCurvedType(abstract.wkbType()):
+                abstract = abstract.segmentize()
+            data = bytes(abstract.asWkb())
+        self._runs = Runs(data)
+        self.counts, self.polygons = self._runs.counts, self._runs.polygons
 
     @property
     def xy(self):
         """(k, 2) float: the points of all runs."""
-        import numpy as np
+        return self._runs.xy
 
-        views = [self._view(k)[:, :2] for k in range(len(self.counts))]
-        return np.concatenate(views) if views else np.empty((0, 2))
-
-    def moved(self, xy):
-        """The geometry with its points elsewhere."""
-        start = 0
-        for k, count in enumerate(self.counts):
-            self._view(k)[:, :2] = xy[start:start + count]
-            start += count
-        return _geometry([bytes(self._data)])
-
-    def _view(self, k):
-        import numpy as np
-
-        place, size = self._places[k]
-        count = self.counts[k]
-        return np.frombuffer(self._data, "<f8", count * size, place).reshape(count, size)
-
-    def _read(self, place):
-        """Find the runs of the WKB geometry that starts here; return where it ends."""
-        (code,) = struct.unpack_from("<I", self._data, place + 1)
-        kind = code % 1000
-        if code >= 2**29:  # the old way to tell of Z
-            kind = code & 0xFF
-        size = 2 + (code // 1000 % 4 in (1, 3)) + (code // 1000 % 4 in (2, 3))
-        if code >= 2**29:
-            size = 2 + bool(code & 2**31) + bool(code & 2**30)
-        place += 5
-        if kind == 1:
-            return self._run(place, 1, size)
-        (count,) = struct.unpack_from("<I", self._data, place)
-        place += 4
-        if kind == 2:
-            return self._run(place, count, size)
-        if kind in (3, 17):  # a triangle is a polygon
-            rings = []
-            for _ in range(count):
-                (points,) = struct.unpack_from("<I", self._data, place)
-                rings.append(len(self.counts))
-                place = self._run(place + 4, points, size)
-            if rings:
-                self.polygons.append(rings)
-            return place
-        for _ in range(count):
-            place = self._read(place)
-        return place
-
-    def _run(self, place, count, size):
-        self.counts.append(count)
-        self._places.append((place, size))
-        return place + 8 * count * size
+    def moved(self, xy, splits=()):
+        """The geometry with its points elsewhere, and points put in after some."""
+        return _geometry([self._runs.moved(xy, splits)])
 
 
 def straight_lines(geometry):

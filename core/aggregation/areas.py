@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -9,11 +10,11 @@ import shapely
 
 from ..errors import IsthmusError
 from ..metric import FARTHEST, Metric
-from ..rings import Rings, groups, take
+from ..rings import Rings, groups, offsets_of, take
 from .coverage import Coverage, centroids, cover, shapes, shared, spreads
 from .instance import Instance, build
 
-__all__ = ["Areas", "arrange", "invalid", "neighbours", "posed", "reasons_of"]
+__all__ = ["Areas", "arrange", "invalid", "joined_rings", "neighbours", "piece_fields", "posed", "reasons_of"]
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
 LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
@@ -217,3 +218,37 @@ def posed(
                 "smaller weight (or class distances), and see that no area is far away by mistake."
             )
     return problem
+
+
+def joined_rings(chunks: Sequence[Rings]) -> Rings:
+    """Return the rings of several chunks as one.
+
+    Examples
+    --------
+    >>> triangle = Rings(np.eye(3, 2), np.array([0, 3]), np.array([0, 1]))
+    >>> joined_rings([triangle, triangle]).offsets
+    array([0, 3, 6])
+    """
+    if not chunks:
+        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    # Z and M were made alike before; a chunk without any polygon has none
+    width = max(own.coords.shape[1] for own in chunks)
+    return Rings(
+        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
+        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
+        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
+    )
+
+
+def piece_fields(names: Sequence[str]) -> tuple[int, int]:
+    """Return the places of the fields area_id and size of prepared pieces, whatever their numbers; or -1.
+
+    The areas may have had fields of these names themselves: then those of the tool have a number
+    (area_id_2), and come last, one after the other.
+    """
+    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
+    for k in range(len(names) - 4, -1, -1):
+        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+            return k, k + 2
+    lower = [name.lower() for name in names]
+    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
