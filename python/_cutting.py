@@ -509,7 +509,7 @@ def _problems(origin: Source, settings: _Settings) -> Iterator[tuple[Problem, np
     measure = _kinds.measure_of(origin.crs)
     for chunk, shapes in _geometry.chunks(origin.geometries, measure):
         if chunk.measure is not measure:
-            strange.update(dict.fromkeys(chunk.features.tolist(), "a latitude beyond 90 degrees"))
+            strange.update(dict.fromkeys(np.asarray(chunk.features).tolist(), "a latitude beyond 90 degrees"))
         floors = {name: values[chunk.features] for name, values in settings.floors.items()}
         yield features.prepare(
             chunk, natural=settings.natural, lines=settings.lines, weigh=settings.weigh, **floors
@@ -576,7 +576,7 @@ def _cut(
             chosen = np.flatnonzero(problem.solved[solution.owner])
             out.add_lines("diagonals", problem, chosen, problem.owner[solution.owner[chosen]], {
                 "length": solution.length[chosen], "detour": _finite(solution.detour[chosen]),
-                "dilation": solution.dilation[chosen], "role": ROLES[solution.role[chosen]],
+                "dilation": np.asarray(solution.dilation)[chosen], "role": ROLES[solution.role[chosen]],
             })
     _kinds.tell(origin, ended, "were solved to the limit of time")
     names = ("part", "parts", "status", "cost", "gap", "source") + ("tau",) * with_tau

@@ -49,12 +49,12 @@ def read_polygons(geometries: np.ndarray) -> Polygons:
     lines, polygon = shapely.get_rings(shapes, return_index=True)
     coords, ring = _coordinates(lines, ordinates)
     size = np.bincount(ring, minlength=len(lines))
-    if len(ordinates) > 1:  # what a geometry lacks is 0, as in QGIS
+    if len(ordinates) > 1:  # what a geometry lacks is 0 at the end of its rows, as in QGIS
         own = extra[owner[polygon[ring]]]
-        if (ordinates % 2000).any():
-            coords[own % 2000 == 0, 2] = 0.0
-        if (ordinates >= 2000).any():
-            coords[own < 2000, -1] = 0.0
+        if coords.shape[1] == 4:
+            coords[own == 2000, 2] = coords[own == 2000, 3]
+        coords[own == 0, 2:] = 0.0
+        coords[(own == 1000) | (own == 2000), 3:] = 0.0
     offsets = offsets_of(size)
     long = np.flatnonzero(size > 1)
     bits = coords.view(np.int64)
@@ -85,18 +85,25 @@ def polygons(
     coords: np.ndarray, rows: np.ndarray, offsets: np.ndarray, ring_offsets: np.ndarray, extra: np.ndarray
 ) -> np.ndarray:
     """Return polygons of rings of rows; see ``core.wkb.polygons``."""
-    if (extra == extra[:1]).all() and (not len(extra) or extra[0] < 2000):
+    if _plain(coords, extra):
         place, closed_offsets = closed(offsets)
         return shapely.from_ragged_array(
             shapely.GeometryType.POLYGON, coords[rows[place]], (closed_offsets, ring_offsets)
         )
-    # shapely makes no M from arrays, and no Z for some only
     return shapely.from_wkb(list(wkb.polygons(coords, rows, offsets, ring_offsets, extra.tolist(), False)))
+
+
+def _plain(coords: np.ndarray, extra: np.ndarray) -> bool:
+    """Whether shapely makes geometries of arrays: no M, no Z for some only, no Z that is none (it would close
+    such rings twice)."""
+    if not len(extra):
+        return True
+    return bool((extra == extra[0]).all()) and extra[0] < 2000 and not np.isnan(coords[:, 2:]).any()
 
 
 def lines(coords: np.ndarray, rows: np.ndarray, extra: np.ndarray) -> np.ndarray:
     """Return straight lines between rows; see ``core.wkb.lines``."""
-    if (extra == extra[:1]).all() and (not len(extra) or extra[0] < 2000):
+    if _plain(coords, extra):
         return shapely.linestrings(coords[rows])
     return shapely.from_wkb(list(wkb.lines(coords, rows, extra.tolist())))
 
@@ -108,7 +115,7 @@ def chunks(geometries: np.ndarray, measure: Metric) -> Iterator[tuple[Chunk, np.
     """
     passed = offsets_of(1 + shapely.get_num_coordinates(geometries))
     lo, count = 0, len(geometries)
-    while lo < count:
+    while lo < count or not lo:  # nothing is a chunk, too: its results have their fields
         hi = int(np.searchsorted(passed, passed[lo] + CHUNK_VERTICES, side="right")) - 1
         hi = min(max(hi, lo + 1), lo + CHUNK_FEATURES, count)
         found = read_polygons(geometries[lo:hi])
@@ -119,6 +126,8 @@ def chunks(geometries: np.ndarray, measure: Metric) -> Iterator[tuple[Chunk, np.
         for run in runs:
             if len(runs) > 1:
                 found = read_polygons(geometries[run])
-            own = planar() if measure.conformal and strange[run[0] - lo] else measure
+            own = planar() if len(run) and measure.conformal and strange[run[0] - lo] else measure
             yield Chunk(run, found.rings, found.owner, found.extra, own), found.shapes
         lo = hi
+        if not count:
+            return

@@ -208,9 +208,9 @@ def column(origin: Source, value: Any, name: str) -> np.ndarray:
 
 def least(value: Any, name: str, smallest: float, largest: float = np.inf) -> None:
     """Complain of a single number that is no number from ``smallest`` to ``largest``."""
-    if isinstance(value, Real) and not (smallest <= value <= largest and value < np.inf):
+    if isinstance(value, Real) and not (smallest <= float(value) <= largest and float(value) < np.inf):
         most = f" and at most {largest:g}" if largest < np.inf else ""
-        raise ValueError(f"{name} must be a number of at least {smallest:g}{most}, and is {value:g}.")
+        raise ValueError(f"{name} must be a number of at least {smallest:g}{most}, and is {float(value):g}.")
 
 
 def one_of(value: str, name: str, known: Sequence[str]) -> None:
