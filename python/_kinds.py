@@ -153,9 +153,20 @@ def result(
             while own.lower() in taken:
                 own, number = f"{field}_{number}", number + 1
             taken.add(own.lower())
-            table[own] = values
+            table[own] = _texts(values, table.index)
         return table
-    return type(given)({**fields, "geometry": geometries}, index=given.index.take(feature), crs=given.crs)
+    index = given.index.take(feature)
+    columns = {field: _texts(values, index) for field, values in fields.items()}
+    return type(given)({**columns, "geometry": geometries}, index=index, crs=given.crs)
+
+
+def _texts(values: np.ndarray, index: Any) -> Any:
+    """A column; of text where all values are, none among them, so that an empty table has the types of others."""
+    if values.dtype != object or not all(isinstance(value, str) for value in values):
+        return values
+    import pandas
+
+    return pandas.Series(values, index=index, dtype="str")
 
 
 def table(origin: Source, feature: np.ndarray, fields: dict[str, np.ndarray]) -> Any:
