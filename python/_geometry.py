@@ -40,10 +40,13 @@ class Polygons(NamedTuple):
 def read_polygons(geometries: np.ndarray) -> Polygons:
     """Return the polygons of geometries; others than polygons and multipolygons have none."""
     kind = shapely.get_type_id(geometries)
-    some = np.flatnonzero((kind == POLYGON) | (kind == MULTIPOLYGON))
-    shapes, owner = shapely.get_parts(geometries[some], return_index=True)
-    full = ~shapely.is_empty(shapes)
-    shapes, owner = shapes[full], some[owner[full]]
+    # shapely copies each part that it gets: a polygon that is one already is taken as it is
+    alone, several = np.flatnonzero(kind == POLYGON), np.flatnonzero(kind == MULTIPOLYGON)
+    parts, of = shapely.get_parts(geometries[several], return_index=True)
+    shapes, owner = np.append(geometries[alone], parts), np.append(alone, several[of])
+    order = np.argsort(owner, kind="stable")
+    order = order[~shapely.is_empty(shapes[order])]
+    shapes, owner = shapes[order], owner[order]
     extra = extra_of(geometries)
     ordinates = np.unique(extra[owner])
     lines, polygon = shapely.get_rings(shapes, return_index=True)
