@@ -161,7 +161,7 @@ def result(
 
 
 def _texts(values: np.ndarray, index: Any) -> Any:
-    """A column; of text where all values are, none among them, so that an empty table has the types of others."""
+    """A column; of text where all values are text, so that an empty table has the types of others."""
     if values.dtype != object or not all(isinstance(value, str) for value in values):
         return values
     import pandas

@@ -42,7 +42,7 @@ pytestmark = pytest.mark.skipif(not (ROOT / "docs").is_dir(), reason="the pages 
 
 QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 PROSE = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/gallery.md", "docs/choosing_tau.md",
-         "docs/architecture.md"]  # fmt: skip
+         "docs/architecture.md", "docs/more_than_one_machine.md"]  # fmt: skip
 CODE = re.compile(r"`([^`]+)`")
 # Lower-case words in code that are no field of a tool
 OTHER_WORDS = {"algorithms", "core", "check", "isthmus", *"arabia baltic".split()}
@@ -299,7 +299,7 @@ def link_problems(name, text, root=ROOT):
             headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
             if anchor not in map(slug, headings):
                 problems.append(f"{file or name} has no heading #{anchor}")
-    for path in re.findall(r"`((?:tests|tools|core|algorithms|docs|resources)/[\w./]+)`", text):
+    for path in re.findall(r"`((?:tests|tools|core|algorithms|python|docs|resources)/[\w./]+)`", text):
         if not (root / path).exists():
             problems.append(f"there is no {path}")
     return problems
@@ -308,13 +308,13 @@ def link_problems(name, text, root=ROOT):
 def code_problems(text, root=ROOT):
     """Names like `module.name` or `module.Class.attribute`, in blocks too, that are not in the code."""
     modules = {}
-    for folder in ("core", "algorithms"):
+    for folder in ("core", "algorithms", "python"):
         for path in (root / folder).rglob("*.py"):
             modules.setdefault(path.stem, []).append(ast.parse(path.read_text(encoding="utf-8")).body)
     text = "\n".join([*CODE.findall(prose(text)), *code_blocks(text)])
     problems = []
     for module, *names in re.findall(r"(?<![\w./])([a-z_]+)\.(\w+)(?:\.(\w+))?(?![\w./-])", text):
-        if names[0] in ("py", "md", "txt"):
+        if names[0] in ("py", "md", "txt", "toml"):
             continue
         scopes = modules.get(module, [])
         for name in filter(None, names):
