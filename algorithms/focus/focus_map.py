@@ -455,10 +455,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
             for xy in (result.points, result.moved)
         )
-        for ends, kind, length, longer in zip(
-            result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
+        lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
+        for line, kind, length, longer in zip(
+            lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
         ):
-            line = wkb.line_geometry(result.moved, ends, 0)
             sinks.add(self.EDGES_USED, line, [kind, length, longer])
 
     def _carry(self, parameters, context, crs, result, feedback):

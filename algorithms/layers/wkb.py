@@ -97,17 +97,6 @@ def read_polygons(geometries):
 _COUNT = struct.Struct("<I")
 
 
-def polygons(geometry):
-    """Return the polygons of one geometry as (coords, offsets) arrays; see `read_polygons`."""
-    rings, _, _ = read_polygons([geometry])
-    bounds = rings.polygon_offsets.tolist()
-    result = []
-    for lo, hi in zip(bounds[:-1], bounds[1:]):
-        offsets = rings.offsets[lo:hi + 1]
-        result.append((rings.coords[offsets[0]:offsets[-1]], offsets - offsets[0]))
-    return result
-
-
 def dimensions(wkb_type):
     """Return what ISO WKB adds to a type number for Z and M: 0, 1000, 2000 or 3000."""
     return 1000 * QgsWkbTypes.hasZ(wkb_type) + 2000 * QgsWkbTypes.hasM(wkb_type)
@@ -129,30 +118,6 @@ def line_type(wkb_type):
     if QgsWkbTypes.hasZ(wkb_type):
         kind = QgsWkbTypes.addZ(kind)
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
-
-
-def polygon_geometry(coords, rings, extra, multi):
-    """Return a polygon of rings of rows.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rings : list of (m,) int
-        Rows of each ring, the shell first, none repeated at the end.
-    extra : int
-        The `dimensions` of the coordinates.
-    multi : bool
-        Whether to wrap the polygon as a multipolygon.
-    """
-    import numpy as np
-
-    chunks = [_header(3 + extra, len(rings))]
-    for ring in rings:
-        closed = np.append(ring, ring[:1])  # an empty ring stays empty
-        chunks += [struct.pack("<I", len(closed)), coords[closed].tobytes()]
-    if multi:
-        chunks.insert(0, _header(6 + extra, 1))
-    return _geometry(chunks)
 
 
 def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
@@ -221,11 +186,6 @@ def line_geometries(coords, rows, extra):
 def _width(extra):
     """Ordinates of a vertex, by the `dimensions` of its geometry."""
     return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
-
-
-def line_geometry(coords, rows, extra):
-    """Return the straight line between rows; ``extra`` as in `polygon_geometry`."""
-    return _geometry([_header(2 + extra, len(rows)), coords[rows].tobytes()])
 
 
 class Runs:
