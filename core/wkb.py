@@ -6,6 +6,7 @@ ISO WKB, little-endian. What reads it (QGIS, GEOS) makes the geometry; here are 
 from __future__ import annotations
 
 import struct
+from functools import cache, lru_cache
 from typing import Iterator, Sequence
 
 import numpy as np
@@ -17,6 +18,7 @@ __all__ = ["Runs", "header", "lines", "polygons", "width"]
 _COUNT = struct.Struct("<I")
 
 
+@cache
 def width(extra: int) -> int:
     """Return the ordinates of a vertex, by what ISO WKB adds to a type number: 0, 1000 (Z), 2000 (M), 3000.
 
@@ -28,6 +30,7 @@ def width(extra: int) -> int:
     return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
 
 
+@lru_cache(1000)  # most polygons have few rings
 def header(kind: int, count: int) -> bytes:
     """Return how a geometry begins: its type number, and how many parts or points follow."""
     return struct.pack("<BII", 1, kind, count)
@@ -61,18 +64,18 @@ def polygons(
     data = coords[rows[place]]
     ordinates = coords.shape[1]
     at = (8 * ordinates * closed_offsets).tolist()
-    counts = [_COUNT.pack(count) for count in np.diff(closed_offsets).tolist()]
+    counts = np.diff(closed_offsets).astype("<u4").tobytes()
     raw = data.tobytes()
     bounds = ring_offsets.tolist()
     for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
         chunks = [header(6 + more, 1)] if multi else []
         chunks.append(header(3 + more, hi - lo))
-        own = width(more)
+        narrower = width(more) != ordinates
         for ring in range(lo, hi):
             part = raw[at[ring]:at[ring + 1]]
-            if own != ordinates:
-                part = np.frombuffer(part).reshape(-1, ordinates)[:, :own].tobytes()
-            chunks += (counts[ring], part)
+            if narrower:
+                part = np.frombuffer(part).reshape(-1, ordinates)[:, :width(more)].tobytes()
+            chunks += (counts[4 * ring:4 * ring + 4], part)
         yield b"".join(chunks)
 
 

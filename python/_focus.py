@@ -61,7 +61,7 @@ def enlarge(
     """Enlarge a region of a map, and keep the shape of the rest.
 
     The tool ``isthmus:focusmap`` (Haunert and Sering 2011, with the relevant edges of Haunert and Meulemans
-    2016). Needs scipy, and pythoncdt or triangle.
+    2016). Needs scipy.
 
     Parameters
     ----------

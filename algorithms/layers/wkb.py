@@ -39,6 +39,7 @@ def read_polygons(geometries):
     import numpy as np
 
     from ...core.rings import Rings, offsets_of, take
+    from ...core.wkb import width
 
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
@@ -50,7 +51,7 @@ def read_polygons(geometries):
         if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) != QgsWkbTypes.Type.Polygon:
             continue
         data = bytes(abstract.asWkb())
-        size = _width(extra[-1])
+        size = width(extra[-1])
         (count,), place = _COUNT.unpack_from(data, 5), 9
         for _ in range(count if QgsWkbTypes.isMultiType(kind) else 1):
             if QgsWkbTypes.isMultiType(kind):
@@ -63,15 +64,15 @@ def read_polygons(geometries):
                 (points,) = _COUNT.unpack_from(data, place)
                 runs.append((data, points, size, place + 4))
                 place += 4 + 8 * points * size
-    width = max((size for _, _, size, _ in runs), default=2)
+    most = max((size for _, _, size, _ in runs), default=2)
     frombuffer = np.frombuffer
     pieces = [frombuffer(data, "<f8", points * size, place) for data, points, size, place in runs]
     points = np.array([points for _, points, _, _ in runs], dtype=np.int64)
-    if all(size == width for _, _, size, _ in runs):
+    if all(size == most for _, _, size, _ in runs):
         coords = np.concatenate(pieces) if pieces else np.empty(0)
-        coords = coords.reshape(-1, width)
+        coords = coords.reshape(-1, most)
     else:
-        coords = np.zeros((points.sum(), width))
+        coords = np.zeros((points.sum(), most))
         for piece, (_, count, size, _), at in zip(pieces, runs, offsets_of(points).tolist()):
             coords[at:at + count, :size] = piece.reshape(-1, size)
 
@@ -94,17 +95,6 @@ def read_polygons(geometries):
 
 
 _COUNT = struct.Struct("<I")
-
-
-def polygons(geometry):
-    """Return the polygons of one geometry as (coords, offsets) arrays; see `read_polygons`."""
-    rings, _, _ = read_polygons([geometry])
-    bounds = rings.polygon_offsets.tolist()
-    result = []
-    for lo, hi in zip(bounds[:-1], bounds[1:]):
-        offsets = rings.offsets[lo:hi + 1]
-        result.append((rings.coords[offsets[0]:offsets[-1]], offsets - offsets[0]))
-    return result
 
 
 def dimensions(wkb_type):
@@ -130,30 +120,6 @@ def line_type(wkb_type):
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
 
 
-def polygon_geometry(coords, rings, extra, multi):
-    """Return a polygon of rings of rows.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rings : list of (m,) int
-        Rows of each ring, the shell first, none repeated at the end.
-    extra : int
-        The `dimensions` of the coordinates.
-    multi : bool
-        Whether to wrap the polygon as a multipolygon.
-    """
-    import numpy as np
-
-    chunks = [_header(3 + extra, len(rings))]
-    for ring in rings:
-        closed = np.append(ring, ring[:1])  # an empty ring stays empty
-        chunks += [struct.pack("<I", len(closed)), coords[closed].tobytes()]
-    if multi:
-        chunks.insert(0, _header(6 + extra, 1))
-    return _geometry(chunks)
-
-
 def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     """Yield polygons of rings of rows.
 
@@ -172,7 +138,7 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     from ...core.wkb import polygons
 
     for data in polygons(coords, rows, offsets, ring_offsets, extra, multi):
-        yield _geometry([data])
+        yield _geometry(data)
 
 
 def line_geometries(coords, rows, extra):
@@ -188,17 +154,7 @@ def line_geometries(coords, rows, extra):
     from ...core.wkb import lines
 
     for data in lines(coords, rows, extra):
-        yield _geometry([data])
-
-
-def _width(extra):
-    """Ordinates of a vertex, by the `dimensions` of its geometry."""
-    return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
-
-
-def line_geometry(coords, rows, extra):
-    """Return the straight line between rows; ``extra`` as in `polygon_geometry`."""
-    return _geometry([_header(2 + extra, len(rows)), coords[rows].tobytes()])
+        yield _geometry(data)
 
 
 class Runs:
@@ -229,7 +185,7 @@ class Runs:
 
     def moved(self, xy, splits=()):
         """The geometry with its points elsewhere, and points put in after some."""
-        return _geometry([self._runs.moved(xy, splits)])
+        return _geometry(self._runs.moved(xy, splits))
 
 
 def straight_lines(geometry):
@@ -250,11 +206,7 @@ def straight_lines(geometry):
     return lines
 
 
-def _header(kind, count):
-    return struct.pack("<BII", 1, kind, count)
-
-
-def _geometry(chunks):
+def _geometry(data):
     geometry = QgsGeometry()
-    geometry.fromWkb(b"".join(chunks))
+    geometry.fromWkb(data)
     return geometry
