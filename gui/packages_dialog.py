@@ -58,9 +58,9 @@ class PackagesDialog(QDialog):
             box.setVisible(name in names)
         if names:
             self.text.setText(tr(
-                "These Python packages are missing in QGIS. A click fetches them from pypi.org and puts them "
-                "into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above "
-                "all, stay as they are."
+                "These Python packages are missing in QGIS. A click fetches them from pypi.org and puts "
+                "them into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, "
+                "numpy above all, stay as they are."
             ).format(folder=packages.folder()))  # fmt: skip
         else:
             self.text.setText(tr("Nothing is missing: all tools can run."))
