@@ -7,9 +7,9 @@ the very cuts that the tool makes; the levels by number of parts are those of `i
 
 from typing import NamedTuple
 
+from ...core.partition.nesting import NO_END
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
-from .hierarchy import NO_END
 from .solving import Settings, measure_of, prepare, read
 
 
@@ -169,7 +169,7 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
         selected, in_tree = selection.selected, np.isin(selection.selected, selection.carved.tree)
         owner = prepared.owner[selected]
         feature = problem.owner[owner]
-        # as in hierarchy._nest
+        # as in nesting.nest
         persistence = np.clip(found.persistence, np.nextafter(tau, np.inf), NO_END)
         solved = problem.verdict[prepared.polygons.number[owner]] == ""
         order = np.lexsort((found.rank, owner, -persistence, feature))
