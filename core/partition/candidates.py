@@ -14,6 +14,7 @@ from ..metric import Metric
 from ..predicates import crossing
 from ..progress import ignore
 from ..rings import groups, shapes, signed_areas, take
+from .feet import Places, natural_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
 from .triangulation import diagonals, triangulate
@@ -126,10 +127,13 @@ class Diagonals(NamedTuple):
     edge_length : (c,) float or None
         Length of the polygon edge that leaves each corner, on the generalised outline; NaN at corners
         that are left out.
+    places : feet.Places
+        Where a cut could end inside an edge; the natural ones, if that was asked for.
     """
 
     edges: np.ndarray
     verdict: np.ndarray
+    places: Places
     why: np.ndarray | None = None
     share: np.ndarray | None = None
     edge_length: np.ndarray | None = None
@@ -175,16 +179,22 @@ def from_triangulation(
         back[number] = np.arange(len(number))
         triangles, vertex = back[triangles], vertex[number]
     edges = diagonals(rest, triangles)
-    found = Diagonals(vertex[edges], verdict)
+    short = places(rest, triangles, measure)
+    found = Diagonals(vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]
         chosen = natural(
             rest, edges, triangles, measure.positions(rest.xy), measure, smallest[own] / unit / unit
         )
+        good = natural_places(rest, short, chosen.outline, measure, smallest[own] / unit / unit)
+        short = Places(*(x[good] for x in short))
         edge_length = np.full(len(polygons.vertex), np.nan)
         edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
         found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
+    found = found._replace(
+        places=short._replace(apex=vertex[short.apex], edge=corner[short.edge])
+    )
     if not free.any():
         return found
     owner = polygons.polygon_of_vertex[found.edges[:, 0]]
@@ -241,7 +251,8 @@ def counted(
         counts = area * unit * unit >= min_hole[of_ring]
     counts[polygons.polygon_offsets[:-1]] = True
     # a corner inserted where a small hole touches an edge is a vertex of that hole alone
-    own = counts[polygons.ring_of_corner] & ~polygons.inserted
+    alone = np.bincount(polygons.vertex, minlength=len(polygons.xy))[polygons.vertex] == 1
+    own = counts[polygons.ring_of_corner] & (alone | ~polygons.inserted)
     attachable[:] = False
     attachable[polygons.vertex[own]] = True
     attachable |= (min_hole <= 0.0)[polygons.polygon_of_vertex]

@@ -31,7 +31,7 @@ from ..rings import following, groups, locate, running
 from .polygon import Polygons
 
 __all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
-           "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
+           "WIDER", "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
 RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
@@ -62,12 +62,15 @@ class Natural(NamedTuple):
     why : (k,) int8
         KEPT, or the rule that sets the diagonal aside: SMALL (part), STRAIGHT (outline at its ends),
         EVEN (width beside it), USED (its corners, by shorter cuts).
+    outline : Outline
+        The finest one.
     """
 
     kept: np.ndarray
     edge_length: np.ndarray
     share: np.ndarray
     why: np.ndarray
+    outline: Outline
 
 
 class Outline(NamedTuple):
@@ -170,7 +173,7 @@ def natural(
     why[order] = one_by_one(
         polygons, outline, corner[order], length[order], plane, area, smallest
     )
-    return Natural(why == KEPT, measured, share, why)
+    return Natural(why == KEPT, measured, share, why, outline)
 
 
 def shares(

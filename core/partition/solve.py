@@ -20,6 +20,7 @@ from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
+from .feet import Places, along_edges, with_feet
 from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
@@ -75,6 +76,11 @@ class Prepared(NamedTuple):
         What became of the lines given as candidates, for each input polygon (None where it is invalid).
     edge_line : (k,) int or None
         The line of each edge.
+    new_rows : (f, d) float
+        The rows from ``len(coords)`` on: new vertices inside edges, if these were asked for.
+    places : feet.Places or None
+        Where a cut was not possible for want of such a vertex, in the vertices and corners of the
+        polygons; None where that was not looked for.
     """
 
     polygons: Polygons
@@ -95,6 +101,8 @@ class Prepared(NamedTuple):
     carved: Carved
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
+    places: Places | None
 
     @property
     def edge_rows(self) -> np.ndarray:
@@ -190,7 +198,7 @@ class Partition(NamedTuple):
         SELF (in S), LEAF or ROOT: on which side the witness lies.
     parts : Parts
         Its ``sides`` belong to the edges with role SELF, in their order.
-    lines, edge_line
+    lines, edge_line, new_rows
         See `Prepared`.
     """
 
@@ -210,6 +218,7 @@ class Partition(NamedTuple):
     parts: Parts
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
 
 
 def partition(
@@ -222,6 +231,7 @@ def partition(
     min_length: float = 0.0,
     min_hole: float = 0.0,
     lines: np.ndarray | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     weigh: Callable | None = None,
@@ -254,6 +264,10 @@ def partition(
     lines : (l, 2, 2) float, optional
         Ends of the candidates to use instead of a triangulation's diagonals; those that are no
         diagonals are left out (see `candidates.from_lines`).
+    new_vertices : bool
+        Whether cuts may also end inside edges, at the foot of a perpendicular from a concave vertex
+        (see `feet.with_feet`). Those that a cut uses become vertices: rows of ``new_rows``. With lines
+        given it has no effect.
     measure : metric.Metric, optional
         Default: `metric.planar()`.
     engine : str, optional
@@ -300,6 +314,7 @@ def partition(
         min_length=min_length,
         min_hole=min_hole,
         lines=None if lines is None else [lines],
+        new_vertices=new_vertices,
         measure=measure,
         engine=engine,
         check=stretch(check, 0.0, 0.65),
@@ -332,6 +347,7 @@ def prepare(
     min_length: float | np.ndarray = 0.0,
     min_hole: float | np.ndarray = 0.0,
     lines: list | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     check: Callable = ignore,
@@ -347,7 +363,7 @@ def prepare(
         For all polygons or each; see `partition`.
     lines : list of (l, 2, 2) float, optional
         For each polygon the candidates to use; see `partition`.
-    measure, engine
+    new_vertices, measure, engine
         See `partition`.
     check : callable, optional
         Called with the share done; may raise `Cancelled`.
@@ -371,6 +387,12 @@ def prepare(
     generalise = lines is None and (natural or bool((smallest > 0.0).any()))
     check(0.15)
     component, wanted, attachable = _components(polygons, measure, min_hole)
+    new_rows, short = np.empty((0, rings.coords.shape[1])), None
+    if new_vertices and lines is None:
+        polygons, new_rows = with_feet(
+            polygons, rings, ~wanted[component], measure=measure, engine=engine, check=check
+        )
+        component, wanted, attachable = _components(polygons, measure, min_hole)
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
     accepted = None
     more: dict[str, np.ndarray] = {}  # what else belongs to the edges
@@ -387,6 +409,10 @@ def prepare(
             number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
             np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
             more["share"] = found.share
+        if len(new_rows):
+            chosen &= ~along_edges(polygons, edges)
+        elif not new_vertices:
+            short = found.places
         verdict[polygons.number] = problem
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
@@ -397,7 +423,9 @@ def prepare(
 
     while True:
         if (problem != "").any():  # go on without the polygons that cannot be solved
-            polygons, edges, outline, more = _kept(polygons, problem == "", edges, outline, more)
+            good = problem == ""
+            short = _still(polygons, good, short)
+            polygons, edges, outline, more = _kept(polygons, good, edges, outline, more)
             component, wanted, attachable = _components(polygons, measure, min_hole)
         owner = polygons.polygon_of_vertex[edges[:, 0]]
         unit = polygons.unit[owner]
@@ -440,6 +468,8 @@ def prepare(
                 carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
                 edge_line=more.get("edge_line"),
+                new_rows=new_rows,
+                places=short,
             )
             carved, ambiguous = _carve(prepared, tree)
             if not ambiguous.any():
@@ -577,6 +607,7 @@ def finish(
         ),
         lines=prepared.lines,
         edge_line=prepared.edge_line,
+        new_rows=prepared.new_rows,
     )
 
 
@@ -620,6 +651,18 @@ def _kept(polygons, good, edges, outline, more):
     number[vertex] = np.arange(len(vertex))
     kept = number[edges[:, 0]] >= 0
     return polygons, number[edges[kept]], outline, {name: x[kept] for name, x in more.items()}
+
+
+def _still(polygons, good, short):
+    """The places in some of the polygons, by the numbers in these."""
+    if short is None:
+        return None
+    kept, corner, vertex = good[polygons.polygon_of_vertex[short.apex]], *(
+        np.cumsum(np.repeat(good, np.diff(offsets))) - 1
+        for offsets in (polygons.corner_offsets, polygons.vertex_offsets)
+    )
+    short = Places(*(x[kept] for x in short))
+    return short._replace(apex=vertex[short.apex], edge=corner[short.edge])
 
 
 def _metric(prepared, carved):
