@@ -14,20 +14,20 @@ import numpy as np
 from .. import metric
 from ..errors import Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, one_polygon, take
+from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
 from .feet import Places, along_edges, with_feet
-from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
+from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
 from .polygon import Polygons, from_rings
 
-__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
+__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
 AMBIGUOUS = "the rings could not be connected (their touching is ambiguous)"
 
@@ -413,6 +413,9 @@ def prepare(
             chosen &= ~along_edges(polygons, edges)
         elif not new_vertices:
             short = found.places
+            owner = polygons.polygon_of_vertex[short.apex]
+            long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
+            short = Places(*(x[long] for x in short))
         verdict[polygons.number] = problem
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
@@ -611,6 +614,79 @@ def finish(
     )
 
 
+def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) -> np.ndarray:
+    """Count the places where a cut is missing because there is no vertex to end at.
+
+    These are concave vertices with the foot of a perpendicular inside an edge opposite (`feet.places`),
+    natural ones if the candidates are, for which the shortest way in P and S is more than tau times as
+    long as the perpendicular. One cut would often do for several of them.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        Without new vertices.
+    selection : Selection
+    tau : (p,) float
+
+    Returns
+    -------
+    (p,) int
+        For each polygon; with holes, as far as ways around these are known from the polygon carved open:
+        never too few.
+
+    Notes
+    -----
+    O(n), but for a sort of n + 2 |S| integers. A place lies in a triangle, and so in one face of P and S;
+    by the triangle inequality the shortest way leads along the boundary of that face.
+
+    Examples
+    --------
+    >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> prepared = prepare(one_polygon(xy, [0, 7]))
+    >>> without_vertex(prepared, select(prepared, 4.0), np.array([4.0]))
+    array([1])
+    """
+    short, polygons, (tree, _, walk, _) = prepared.places, prepared.polygons, selection.carved
+    roots = len(polygons.unit)
+    if short is None or not len(short.edge):
+        return np.zeros(roots, dtype=np.int64)
+    cuts = selection.selected[~np.isin(selection.selected, tree)]
+    i, j = walk.i[cuts], walk.j[cuts]
+    faces = build_tree(walk.offsets, i, j)
+    below = np.empty(len(cuts), dtype=np.int64)
+    below[faces.diagonal] = np.arange(roots, roots + len(cuts))
+    # the half-edges along each face: the walk's own, and both sides of the cuts
+    m, step = len(walk.corner), _steps(prepared, walk, tree)
+    face = np.concatenate((faces.edge_face, faces.parent[below], below))
+    key = face * m + np.concatenate((np.arange(m), i, j))
+    order = np.argsort(key, kind="stable")
+    key, size = key[order], np.concatenate((step, prepared.length[cuts], prepared.length[cuts]))[order]
+    passed, around = running(size, offsets_of(np.bincount(face, minlength=roots + len(cuts))))
+
+    place = np.empty(len(polygons.vertex), dtype=np.int64)
+    on_edge = np.flatnonzero(walk.edge >= 0)
+    place[walk.edge[on_edge]] = on_edge
+    edge = place[short.edge]
+    own = faces.edge_face[edge]
+    foot = passed[np.searchsorted(key, own * m + edge)] + short.share * step[edge]
+    # the walk may pass a vertex several times, and touch several faces there
+    vertex = polygons.vertex[walk.corner]
+    by_vertex = np.argsort(vertex, kind="stable")
+    first = np.searchsorted(vertex[by_vertex], short.apex)
+    times = np.searchsorted(vertex[by_vertex], short.apex, side="right") - first
+    which = np.repeat(np.arange(len(edge)), times)
+    wanted = own[which] * m + by_vertex[ranges(first, times)]
+    at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    which, at = which[key[at] == wanted], at[key[at] == wanted]
+    way = np.abs(passed[at] - foot[which])
+    shortest = np.full(len(edge), np.inf)
+    np.minimum.at(shortest, which, np.minimum(way, around[own[which]] - way))
+    owner = polygons.polygon_of_vertex[short.apex]
+    length = short.length * polygons.unit[owner]
+    beyond = shortest > np.broadcast_to(tau, roots)[owner] * length * (1.0 + SLACK)
+    return np.bincount(owner[beyond], minlength=roots)
+
+
 def _mask(indices, size):
     mask = np.zeros(size, dtype=bool)
     mask[indices] = True
@@ -697,11 +773,17 @@ def _carve(prepared, tree):
     if ambiguous.any():
         return None, ambiguous
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    step = prepared.edge_length[walk.edge]
-    along_tree = walk.edge < 0
-    step[along_tree] = length[tree[-1 - walk.edge[along_tree]]]
+    step = _steps(prepared, walk, tree)
     dual = build_tree(walk.offsets, walk.i[free], walk.j[free])
     return Carved(tree, free, walk, network(dual, walk.offsets, step, length[free])), ambiguous
+
+
+def _steps(prepared, walk, tree):
+    """Lengths of the edges of walks."""
+    step = prepared.edge_length[walk.edge]
+    along_tree = walk.edge < 0
+    step[along_tree] = prepared.length[tree[-1 - walk.edge[along_tree]]]
+    return step
 
 
 def _graph(prepared, selected):
