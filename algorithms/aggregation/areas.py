@@ -109,7 +109,7 @@ def arrange(kept, rings, owner, crs):
     measured = np.ones(polygon_count, dtype=bool)
     measured[row_polygon[~(np.abs(rings.coords[:, :2]) <= FARTHEST).all(axis=1)]] = False
     ring_polygon = groups(rings.polygon_offsets)
-    some = np.flatnonzero(measured[ring_polygon] & (np.diff(rings.offsets) > 0))
+    some = _rings_of(rings, measured)
     row, offsets = take(rings.offsets, some)
     coords = rings.coords[row]
     coverage = cover(coords, offsets, ring_polygon[some])
@@ -143,6 +143,27 @@ def arrange(kept, rings, owner, crs):
     spread[:owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
     return Areas(kept, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
                  (x + 1j * y) * metre, spread * metre**2, metre, measure)
+
+
+def _rings_of(rings, measured):
+    """The rings that the coverage of areas has."""
+    import numpy as np
+
+    from ...core.rings import groups
+
+    return np.flatnonzero(measured[groups(rings.polygon_offsets)] & (np.diff(rings.offsets) > 0))
+
+
+def with_shared_vertices(areas, rings, is_new):
+    """Give new vertices to the neighbours: the rings, and the polygons that got some.
+
+    ``rings`` are those of `arrange`, ``is_new`` tells of their rows.
+    """
+    from ...core.aggregation.coverage import with_shared_vertices
+    from ...core.rings import take
+
+    row, _ = take(rings.offsets, _rings_of(rings, areas.measured))
+    return with_shared_vertices(rings, is_new, areas.coverage, row)
 
 
 def neighbours(areas):

@@ -7,6 +7,7 @@ from qgis.core import (
     NULL,
     QgsExpressionContext,
     QgsProcessing,
+    QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
     QgsProcessingParameterFeatureSink,
@@ -40,6 +41,7 @@ from .solving import (
     reasons_of,
     weigh_by_expression,
     weigh_by_length,
+    without_vertex,
 )
 
 BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
@@ -69,6 +71,7 @@ class PartitionTool(IsthmusAlgorithm):
     MIN_LENGTH = "MIN_LENGTH"
     MIN_HOLE = "MIN_HOLE"
     CANDIDATES = "CANDIDATES"
+    NEW_VERTICES = "NEW_VERTICES"
     MAX_GAP = "MAX_GAP"
 
     def add_input(self):
@@ -184,6 +187,22 @@ class PartitionTool(IsthmusAlgorithm):
             "reported with its id; where two cross, the shorter one is used.",
             advanced=True,
         )
+        self.add_new_vertices(
+            "Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays "
+            "as it is. Neighbours in the layer do not get them. Without effect where you give lines to choose "
+            "from."
+        )
+
+    def add_new_vertices(self, more):
+        self.add(
+            QgsProcessingParameterBoolean(
+                self.NEW_VERTICES, "Cuts may end at new vertices on edges", False, True
+            ),
+            "Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, "
+            "a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. "
+            + more,
+            advanced=True,
+        )
 
     def add_max_gap(self):
         self.add(
@@ -250,6 +269,7 @@ class PartitionTool(IsthmusAlgorithm):
             natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
             floors=self.floors(parameters, context, source),
             lines=lines,
+            new_vertices=self.parameterAsBoolean(parameters, self.NEW_VERTICES, context),
             weigh=weigh,
             all_dilations=all_dilations,
         )
@@ -294,7 +314,7 @@ class CuttingTool(PartitionTool):
     extra_fields = ()
 
     def chooser(self, parameters, context, source, feedback):
-        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection."""
+        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection and each tau."""
         raise NotImplementedError
 
     def add_outputs(self):
@@ -353,7 +373,8 @@ class CuttingTool(PartitionTool):
                 for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
-                        selection = choose(problem, stretch(check, 0.5, 0.7))
+                        selection, tau = choose(problem, stretch(check, 0.5, 0.7))
+                        writer.short += without_vertex(problem, selection, tau)
                         solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
                         writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
@@ -407,7 +428,7 @@ class _Writer:
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
-        self.small, self.holes, self.rules = 0, 0, [0] * 5
+        self.small, self.holes, self.rules, self.short = 0, 0, [0] * 5, 0
 
     def write(self, problem, solution, feedback, check):
         """Write the solution of a chunk, and tell what of it could not be solved."""
@@ -537,6 +558,7 @@ class _Writer:
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
         report_rules(feedback, self.small, self.holes, self.rules)
+        report_short(feedback, self.short)
         if skipped:
             feedback.pushInfo(
                 f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
@@ -564,6 +586,16 @@ def report_rules(feedback, small, holes, rules):
     else:
         text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
     feedback.pushInfo(text)
+
+
+def report_short(feedback, short):
+    """Say at how many places a cut is missing for want of a vertex."""
+    if short:
+        feedback.pushInfo(
+            f"No vertex to end a cut at: {counted(short, 'place')} where a concave corner lies opposite the "
+            "inside of an edge, and the way around is more than tau times as long (one cut may do for "
+            "several of them). Set NEW_VERTICES to cut there."
+        )
 
 
 def _or_null(value):

@@ -111,7 +111,7 @@ class PartitionBudgetAlgorithm(CuttingTool):
                         f"Feature {features[f].id()}: a smaller detour than {answer.dilation:.6g} may "
                         "be possible within the budget, which could be neither shown nor ruled out."
                     )
-            return select(problem.prepared, tau[problem.owner], **options)
+            return select(problem.prepared, tau[problem.owner], **options), tau
 
         return choose
 

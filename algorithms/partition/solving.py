@@ -28,6 +28,8 @@ class Settings(NamedTuple):
     floors : dict
         The functions that give SMALLEST_PART, MIN_LENGTH and MIN_HOLE for a feature.
     lines : CandidateLines or None
+    new_vertices : bool
+        Whether cuts may end inside edges, at new vertices.
     weigh : callable or None
         ``(chunk, near, prepared)`` to the weights of the candidates, and {polygon of the chunk: why it has
         none}; None for MinSize. ``near`` has, for each polygon, the numbers of the lines given for it, or
@@ -39,6 +41,7 @@ class Settings(NamedTuple):
     natural: bool
     floors: dict
     lines: object
+    new_vertices: bool
     weigh: Callable
     all_dilations: bool
 
@@ -50,7 +53,7 @@ class Chunk(NamedTuple):
     ----------
     features : list of QgsFeature
     rings : core.rings.Rings
-        All their polygons.
+        All their polygons. Behind the rows of the rings, ``coords`` may have new ones for the results.
     owner : (q,) int
         The feature of each polygon, as a place in ``features``.
     extra : list of int
@@ -202,9 +205,13 @@ def prepare(chunk, settings, check=ignore):
         min_length=floors["MIN_LENGTH"],
         min_hole=floors["MIN_HOLE"],
         lines=None if near is None else [settings.lines.ends[own] for own in near],
+        new_vertices=settings.new_vertices,
         measure=chunk.measure,
         check=check,
     )
+    if len(prepared.new_rows):
+        coords = np.concatenate((chunk.rings.coords, prepared.new_rows))
+        chunk = chunk._replace(rings=chunk.rings._replace(coords=coords))
     verdict = prepared.verdict.copy()
     if near is not None:
         for own, lines in zip(near, prepared.lines):
@@ -244,6 +251,14 @@ def reasons_of(feature, verdicts):
     if not len(verdicts):
         return ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
     return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
+
+
+def without_vertex(problem, selection, tau):
+    """Count the places where a cut is missing for want of a vertex; ``tau`` is that of each feature."""
+    from ...core.partition.solve import without_vertex
+
+    found = without_vertex(problem.prepared, selection, tau[problem.owner])
+    return int(by_feature(problem, found).sum())
 
 
 def by_feature(problem, values):

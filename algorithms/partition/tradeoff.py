@@ -24,9 +24,9 @@ from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.wkb import INTEGER, LONG, REAL
 from . import report
-from .cutting import BY_SIZE, PartitionTool
+from .cutting import BY_SIZE, PartitionTool, report_short
 from .partition_budget import TIME_LIMIT
-from .solving import prepare, read
+from .solving import prepare, read, without_vertex
 
 FIELDS = (
     ("source", LONG),
@@ -162,14 +162,15 @@ class TradeoffAlgorithm(PartitionTool):
         from ...core.partition.tradeoff import paying_steps
 
         name_of = self._names(sinks.parameters, sinks.context)
-        curves, count, skipped = [], 0, 0
+        curves, count, skipped, short = [], 0, 0, 0
         reader = Reader(source, feedback)
         check = checker(reader.progress, feedback.isCanceled)
         try:
             for features in reader.chunks():
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
-                    found = _curves(problem, low, high, most, stretch(check, 0.3, 0.9))
+                    found, missing = _curves(problem, low, high, most, stretch(check, 0.3, 0.9))
+                    short += missing
                     for f, feature in enumerate(chunk.features):
                         check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
                         reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
@@ -206,6 +207,7 @@ class TradeoffAlgorithm(PartitionTool):
                         )
         except Cancelled:
             pass
+        report_short(feedback, short)
         return curves, {self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped}
 
     def _names(self, parameters, context):
@@ -244,7 +246,7 @@ class TradeoffAlgorithm(PartitionTool):
 
 
 def _curves(problem, low, high, most, check):
-    """The trade-off of each feature of a chunk, and the fields of its steps."""
+    """The trade-off of each feature of a chunk, and the fields of its steps; and `without_vertex` at its end."""
     import numpy as np
 
     from ...core.partition.solve import finish, select
@@ -258,12 +260,14 @@ def _curves(problem, low, high, most, check):
     }
     solve = joint_solver(prepared, np.where(solved, problem.owner, -1), count, **options)
     curves = together([trade_off(low, high, most) for _ in range(count)], solve)
-    rows = [[] for _ in range(count)]
+    rows, short = [[] for _ in range(count)], 0
     for step in range(max((len(curve.solutions) for curve in curves), default=0)):
         own = [curve.solutions[step] if step < len(curve.solutions) else None for curve in curves]
         tau = np.array([math.inf if joint is None else joint.tau for joint in own])
         selection = select(prepared, tau[problem.owner], **options)
         result = finish(prepared, selection, check=check)
+        last = np.array([step + 1 == len(curve.solutions) for curve in curves])
+        short += without_vertex(problem, selection, np.where(last, tau, math.inf))
         of_cut = problem.owner[prepared.owner[selection.selected]]
         mine = solved[prepared.owner[selection.selected]]
         cuts = np.bincount(of_cut[mine], minlength=count)
@@ -282,4 +286,4 @@ def _curves(problem, low, high, most, check):
                 rows[f].append(
                     [joint.dilation, int(cuts[f]), float(length[f]), joint.cost, share]
                 )
-    return list(zip(curves, rows))
+    return list(zip(curves, rows)), short
