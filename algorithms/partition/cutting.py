@@ -592,9 +592,8 @@ def report_short(feedback, short):
     """Say at how many places a cut is missing for want of a vertex."""
     if short:
         feedback.pushInfo(
-            f"No vertex to end a cut at: {counted(short, 'place')} where a concave corner lies opposite the "
-            "inside of an edge, and the way around is more than tau times as long (one cut may do for "
-            "several of them). Set NEW_VERTICES to cut there."
+            f"No vertex to end a cut at: {counted(short, 'place')}, edges opposite a concave corner, where "
+            "the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there."
         )
 
 

@@ -615,11 +615,11 @@ def finish(
 
 
 def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) -> np.ndarray:
-    """Count the places where a cut is missing because there is no vertex to end at.
+    """Count the edges where a cut is missing because there is no vertex to end at.
 
-    These are concave vertices with the foot of a perpendicular inside an edge opposite (`feet.places`),
-    natural ones if the candidates are, for which the shortest way in P and S is more than tau times as
-    long as the perpendicular. One cut would often do for several of them.
+    These are the edges of P with the foot of a perpendicular from the concave vertex opposite (that of the
+    triangle beside the edge, see `feet.places`), natural ones if the candidates are, for which the shortest
+    way in P and S is more than tau times as long as the perpendicular.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import shapely
 
 from isthmus.core import metric
 from isthmus.core.partition import solve as road
-from isthmus.core.partition.feet import ROUNDS, along_edges, places, with_feet
+from isthmus.core.partition.feet import along_edges, places, with_feet
 from isthmus.core.partition.min_size import SELF
 from isthmus.core.partition.polygon import from_rings
 from isthmus.core.partition.triangulation import triangulate
@@ -22,12 +22,12 @@ NECK = shape([(0, 0), (20, 0), (20, 10), (11, 10), (10, 1), (9, 10), (0, 10)])
 EVERY = np.zeros(1, dtype=bool)
 
 
-def pool():
+def made():
     """Shapes of all kinds, with Z and M that tell the place of a point."""
-    found = [shapes.tour(seed, 5 + seed) for seed in range(12)]
-    found += [shapes.mosaic(seed, 12 + 2 * seed, 0.6, 10**6) for seed in range(14)]
-    found += [shapes.mosaic(seed, 25, 0.7, 9) for seed in range(6)]  # a lattice: rings touch
-    found += [shapes.polyomino(seed, 7, 6) for seed in range(10)]
+    found = [shapes.tour(seed, 8 + seed) for seed in range(8)]
+    found += [shapes.mosaic(seed, 14 + 3 * seed, 0.6, 10**6) for seed in range(8)]
+    found += [shapes.mosaic(seed, 25, 0.7, 9) for seed in range(5)]  # a lattice: rings touch
+    found += [shapes.polyomino(seed, 6, 5) for seed in range(5)]
     found += [NECK, shapes.comb(6), shapes.spiral(2, 8), teeth(5)]
     return [s.mapped(with_plane) for s in found]
 
@@ -72,6 +72,10 @@ def extended(result, s):
     return told, Shape(np.array(coords), np.append(0, np.cumsum(sizes)))
 
 
+POOL = made()
+every = pytest.mark.parametrize("k", range(len(POOL)))
+
+
 @pytest.mark.parametrize("natural", [False, True])
 def test_the_smallest_neck(natural):
     options = dict(natural=natural, smallest=1.0 * natural)
@@ -84,12 +88,12 @@ def test_the_smallest_neck(natural):
     assert [list(map(len, rings)) for rings in found.parts.rings] == [[5], [5]]
 
 
-@pytest.mark.parametrize("k", range(len(pool())))
+@every
 def test_everything_holds_and_only_what_is_used_is_new(k):
     """Parts, dilations and needless cuts; the outline has no vertex more than cuts need."""
-    s = pool()[k]
+    s = POOL[k]
     size = shapely.area(s.polygon)
-    for tau in (1.2, 2.0, 4.0):
+    for tau in (1.2, 3.0):
         for options in ({}, {"natural": True, "smallest": 0.02 * size}, {"min_length": 0.02 * size**0.5}):
             result = solve(s, tau, new_vertices=True, all_dilations=True, **options)
             told, more = extended(result, s)
@@ -102,13 +106,12 @@ def test_everything_holds_and_only_what_is_used_is_new(k):
 
 def test_the_pool_has_new_vertices():
     taken, touching = 0, 0
-    for s in pool():
+    for s in POOL:
         result = solve(s, 2.0, new_vertices=True)
-        taken += len(np.unique(result.edge_rows[result.role == SELF])) > len(s.coords)
         cuts = result.edge_rows[result.role == SELF]
         taken += (cuts >= len(s.coords)).any()
         touching += len(result.polygons.vertex) > len(result.polygons.xy) and len(result.new_rows) > 0
-    assert taken >= 15 and touching >= 2, (taken, touching)
+    assert taken >= 10 and touching >= 2, (taken, touching)
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -123,10 +126,10 @@ def test_as_few_as_brute_force(seed):
             assert [int((result.role == SELF).sum())] == fewest
 
 
-@pytest.mark.parametrize("k", range(len(pool())))
+@every
 def test_feet_are_feet(k):
     """Each is the nearest point of an edge to a concave vertex that sees it; and none is left to be found."""
-    s = pool()[k]
+    s = POOL[k]
     rings = one_polygon(s.coords, s.offsets)
     polygons, _ = from_rings(rings)
     more, coords = with_feet(polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool),
@@ -148,10 +151,8 @@ def test_feet_are_feet(k):
         upright = np.abs(to @ way) <= 1e-9 * np.hypot(*way) * np.hypot(*to.T)
         sees = shapely.covers(room, shapely.linestrings([[v, foot] for v in concave]))
         assert (upright & sees).any()
-    for _ in range(ROUNDS):
-        triangles, _ = triangulate(more)
-        assert not len(places(more, triangles, metric.planar()).edge)
-        break
+    triangles, _ = triangulate(more)
+    assert not len(places(more, triangles, metric.planar()).edge)
 
 
 @pytest.mark.parametrize("count", [1, 2, 9, 40])
@@ -159,10 +160,12 @@ def test_every_tooth_before_a_bare_wall(count):
     """Only one of them is in a triangle with the wall; the others show when it has been split."""
     s = teeth(count)
     result = solve(s, 3.0, new_vertices=True)
-    assert sorted(result.new_rows[result.new_rows[:, 1] == 0.0, 0]) == [10.0 * k + 5 for k in range(count)]
+    assert np.allclose(np.sort(result.new_rows[:, 0]), 10.0 * np.arange(count) + 5, rtol=1e-15)
+    assert (result.new_rows[:, 1] == 0.0).all()
     cuts = result.edge_rows[result.role == SELF]
-    assert sum((cuts >= len(s.coords)).any(axis=1)) == count
-    assert len(solve(s, 3.0).parts.area) < len(result.parts.area)
+    assert sum((cuts >= len(s.coords)).any(axis=1)) == count == len(cuts)
+    missed = solve(s, 3.0)
+    assert (missed.length[missed.role == SELF] > 5.0).all()  # at best from wall to wall
 
 
 def test_outlines_with_vertices_enough_get_none():
@@ -182,7 +185,7 @@ def test_a_wall_with_points_on_it_is_not_concave():
 
 
 def test_it_does_not_matter_where_rings_start():
-    for s in pool()[12:30]:
+    for s in POOL[5:20]:
         one = solve(s, 2.0, new_vertices=True)
         other = solve(shapes.reversed_rings(shapes.restarted(s, 2)), 2.0, new_vertices=True)
         assert np.array_equal(one.polygons.xy, other.polygons.xy)
@@ -193,11 +196,10 @@ def test_on_the_ellipsoid():
     """A foot is upright in metres, not in degrees."""
     slanted = NECK.mapped(lambda xy: np.column_stack((0.01 * (xy[:, 0] + xy[:, 1]), 65 + 0.01 * xy[:, 1])))
     result = solve(slanted, 4.0, new_vertices=True, measure=metric.ellipsoidal())
-    (foot,), (tip,) = result.new_rows, slanted.coords[[4]]
+    foot, tip = result.new_rows[0], slanted.coords[4]
     assert result.edge_rows[result.role == SELF].tolist() == [[7, 4]]
     assert foot[1] == 65.0
     assert abs(foot[0] - tip[0]) < 1e-5  # north of each other, but for the curve of the parallel
-    assert len(solve(slanted, 4.0, measure=metric.ellipsoidal()).parts.area) == 1
 
 
 def test_several_polygons_and_lines():
@@ -246,10 +248,10 @@ def test_edges_along_an_edge():
 # ---------------------------------------------------------------- how many are missing
 
 
-@pytest.mark.parametrize("k", range(len(pool())))
+@every
 def test_how_many_places_lack_a_vertex(k):
     """Against shortest paths in P and S with the foot on its edge."""
-    s = pool()[k]
+    s = POOL[k]
     for tau in (1.2, 2.0):
         prepared = road.prepare(one_polygon(s.coords, s.offsets))
         selection = road.select(prepared, tau)
@@ -268,10 +270,10 @@ def test_how_many_places_lack_a_vertex(k):
 
 
 def test_natural_places_only():
-    """A tooth of 3 degrees in the wall is no place; nor is one that cuts off too little."""
+    """A place that would cut off too little is none, nor is one with a line that is too short."""
     smallest = 1.0
-    for s, expected in ((NECK, 1), (teeth(3), 3)):
-        for share, count in ((0.0, expected), (0.6, 0)):
+    for s in (NECK, teeth(3)):  # an edge counts once, however many teeth are before it
+        for share, count in ((0.0, 1), (0.6, 0)):
             prepared = road.prepare(
                 one_polygon(s.coords, s.offsets), natural=True,
                 smallest=max(smallest, share * s.polygon.area),
@@ -291,4 +293,4 @@ def test_none_is_missing_with_new_vertices():
 def test_places_of_a_chunk_with_bad_polygons():
     rings = stages.together([shape([(0, 0), (1, 1), (1, 0), (0, 1)]), NECK, teeth(3)])
     prepared = road.prepare(rings)
-    assert road.without_vertex(prepared, road.select(prepared, 3.0), np.full(2, 3.0)).tolist() == [1, 3]
+    assert road.without_vertex(prepared, road.select(prepared, 3.0), np.full(2, 3.0)).tolist() == [1, 1]
