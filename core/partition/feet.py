@@ -22,7 +22,7 @@ from .natural import BENT, WIDER, Outline, bends
 from .polygon import Polygons, is_valid, select, without_rings
 from .triangulation import triangulate
 
-__all__ = ["Places", "along_edges", "natural_places", "places", "with_feet"]
+__all__ = ["Places", "along_edges", "concave_places", "large_places", "places", "with_feet"]
 
 CONCAVE = np.radians(1.0)  # least turn of a concave vertex: points on a straight wall are none
 # A new vertex splits an edge, and others may show before the halves. Of n concave vertices in a row before
@@ -51,7 +51,9 @@ class Places(NamedTuple):
     length: np.ndarray
 
 
-def places(polygons: Polygons, triangles: np.ndarray, measure: Metric) -> Places:
+def places(
+    polygons: Polygons, triangles: np.ndarray, position: np.ndarray, measure: Metric
+) -> Places:
     """Find the places where a cut could end inside an edge.
 
     Parameters
@@ -59,6 +61,8 @@ def places(polygons: Polygons, triangles: np.ndarray, measure: Metric) -> Places
     polygons : Polygons
     triangles : (t, 3) int
         Vertices of the constrained Delaunay triangulations.
+    position : (n, 2 or 3) float
+        ``measure.positions`` of the vertices.
     measure : metric.Metric
 
     Returns
@@ -76,37 +80,22 @@ def places(polygons: Polygons, triangles: np.ndarray, measure: Metric) -> Places
     >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
     >>> polygon = one(xy, [0, 7])
     >>> triangles, _ = triangulate(polygon)
-    >>> found = places(polygon, triangles, planar())
+    >>> found = places(polygon, triangles, polygon.xy, planar())
     >>> polygon.xy[found.apex], polygon.xy[found.edge], found.share, found.length
     (array([[10.,  1.]]), array([[0., 0.]]), array([0.5]), array([1.]))
     """
     xy, vertex = polygons.xy, polygons.vertex
     after = vertex[polygons.next_corner]
-    before = vertex[previous(polygons.offsets)]
-    out, into = xy[after] - xy[vertex], xy[vertex] - xy[before]
-    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-    dot = (into * out).sum(axis=1)
-    concave = np.zeros(len(xy), dtype=bool)
-    concave[vertex[(cross < -np.tan(CONCAVE) * np.maximum(dot, 0.0)) & ~polygons.inserted]] = True
-
-    side = np.flatnonzero(concave[triangles].ravel())
-    triangle, apex = np.divmod(side, 3)
-    a = triangles[triangle, (apex + 1) % 3].astype(np.int64)
-    b = triangles[triangle, (apex + 2) % 3].astype(np.int64)
-    corner = np.empty(len(xy), dtype=np.int64)
-    corner[vertex] = np.arange(len(vertex))
-    if len(vertex) > len(xy):  # rings touch: some vertices have several edges
-        key = vertex * len(xy) + after
-        order = np.argsort(key)
-        found = np.searchsorted(key, a * len(xy) + b, sorter=order)
-        edge = order[np.minimum(found, len(order) - 1)]
-    else:
-        edge = corner[a]
-    on = np.flatnonzero((vertex[edge] == a) & (after[edge] == b))
-    edge, a, b, v = edge[on], a[on], b[on], triangles.ravel()[side[on]].astype(np.int64)
-
-    position = measure.positions(xy)
-    along, to = position[b] - position[a], position[v] - position[a]
+    edge, v = _edges_opposite(polygons, triangles)
+    own = np.flatnonzero(_concave(polygons)[v])
+    edge, v = edge[own], v[own]
+    # where the ends are so much farther away than the foot, the edge is not much shorter than they are far
+    # away; in most triangles of a dense outline it is
+    along, to = position[after[edge]] - position[vertex[edge]], position[v] - position[vertex[edge]]
+    squared = np.einsum("ij,ij->i", along, along)
+    near = np.flatnonzero((1.0 - WIDER**-2) * np.einsum("ij,ij->i", to, to) <= squared * (1.0 + 1e-6))
+    edge, v, along, to = edge[near], v[near], along[near], to[near]
+    a, b = vertex[edge], after[edge]
     with np.errstate(invalid="ignore", divide="ignore"):  # too small to be squared
         share = (along * to).sum(axis=1) / (along * along).sum(axis=1)
     inside = np.flatnonzero((share > 0.0) & (share < 1.0))
@@ -120,19 +109,37 @@ def places(polygons: Polygons, triangles: np.ndarray, measure: Metric) -> Places
     return Places(*(x[wanted] for x in (v, edge, share, length)))
 
 
-def natural_places(
-    polygons: Polygons, found: Places, outline: Outline, measure: Metric, smallest: np.ndarray
-) -> np.ndarray:
-    """Which places are natural: concave at the scale of the cut, and neither side too small.
+def concave_places(polygons: Polygons, found: Places, outline: Outline) -> np.ndarray:
+    """Which places are concave at the scale of the cut, as natural ones are (see `natural.natural`).
 
-    That the polygon opens up is true of all places (see `places`). Whether a shorter cut uses the same
-    corner is not asked.
+    At the foot the outline is straight. That the polygon opens up is true of all places; whether a shorter
+    cut uses the same corner is not asked.
 
     Parameters
     ----------
     polygons : Polygons
     found : Places
     outline : natural.Outline
+
+    Returns
+    -------
+    (m,) bool
+    """
+    corner = np.empty(len(polygons.xy), dtype=np.int64)
+    corner[polygons.vertex] = np.arange(len(polygons.vertex))
+    own = corner[found.apex][:, None]
+    return bends(outline, polygons.ring_of_corner, own, found.length)[:, 0] >= BENT
+
+
+def large_places(
+    polygons: Polygons, found: Places, measure: Metric, smallest: np.ndarray
+) -> np.ndarray:
+    """At which places neither side of a cut is too small; true where it would join two rings.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    found : Places
     measure : metric.Metric
     smallest : (p,) float
         See `natural.natural`.
@@ -141,12 +148,13 @@ def natural_places(
     -------
     (m,) bool
     """
+    if not len(found.edge) or not (smallest > 0.0).any():
+        return np.ones(len(found.edge), dtype=bool)
     vertex, ring = polygons.vertex, polygons.ring_of_corner
     polygon_of_ring = polygons.polygon_of_ring
     corner = np.empty(len(polygons.xy), dtype=np.int64)
     corner[vertex] = np.arange(len(vertex))
     u, v = corner[found.apex], found.edge
-    bend = bends(outline, ring, u[:, None], found.length)[:, 0]
     # prefix sums of the shoelace terms, as in `natural.shares`; holes are left out
     plane = measure.equal_area(polygons.xy)[vertex]
     first = np.repeat(polygons.corner_offsets[:-1], np.diff(polygons.corner_offsets))
@@ -156,13 +164,12 @@ def natural_places(
     fx, fy = (plane[v] + found.share[:, None] * (plane[following(polygons.offsets)[v]] - plane[v])).T
     side = passed[v] - passed[u] + (x[v] * fy - fx * y[v] + fx * y[u] - x[u] * fy) / 2.0
     smaller = np.minimum(np.abs(side), np.abs(whole[ring[u]] - side))
-    large = (smaller >= smallest[polygon_of_ring[ring[u]]]) | (ring[u] != ring[v])
-    return large & (bend >= BENT)
+    return (smaller >= smallest[polygon_of_ring[ring[u]]]) | (ring[u] != ring[v])
 
 
 def with_feet(
-    polygons: Polygons, rings: Rings, free: np.ndarray, *, measure: Metric, engine: str | None = None,
-    check: Callable = ignore,
+    polygons: Polygons, rings: Rings, free: np.ndarray, smallest: np.ndarray, *, measure: Metric,
+    engine: str | None = None, check: Callable = ignore,
 ) -> tuple[Polygons, np.ndarray]:
     """Insert the feet as vertices.
 
@@ -175,6 +182,9 @@ def with_feet(
         What they were made of.
     free : (r,) bool
         Holes that do not count, and touch no other ring: no cut ends there.
+    smallest : (p,) float
+        Area of the smallest part of each polygon, in the units of ``measure.equal_area`` of ``polygons.xy``:
+        no foot where a cut would leave less on one side.
     measure, engine, check
         See `triangulation.triangulate`.
 
@@ -198,7 +208,7 @@ def with_feet(
     >>> rows = np.array([[0, 0, 5], [20, 0, 7], [20, 10, 7], [11, 10, 6], [10, 1, 6], [9, 10, 6],
     ...                  [0, 10, 5.0]])
     >>> polygon, coords = with_feet(one(rows, [0, 7]), one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool),
-    ...                             measure=planar())
+    ...                             np.zeros(1), measure=planar())
     >>> coords
     array([[10.,  0.,  6.]])
     >>> polygon.rows
@@ -213,6 +223,7 @@ def with_feet(
         if own.any():
             kept, _ = take(some.offsets, np.flatnonzero(~own))
             corner, (some, _) = corner[kept], without_rings(some, own)
+        own_smallest = smallest[changed]
         triangles, verdict = triangulate(
             some, conformal=measure.conformal, engine=engine, check=lambda share: check()
         )
@@ -220,10 +231,13 @@ def with_feet(
             good = np.flatnonzero(verdict == "")
             corner = corner[take(some.corner_offsets, good)[0]]
             some, number = select(some, good)
+            own_smallest = own_smallest[good]
             back = np.empty(int(number.max(initial=-1)) + 1, dtype=np.int64)
             back[number] = np.arange(len(number))
             triangles = back[triangles]
-        found = places(some, triangles, measure)
+        found = places(some, triangles, measure.positions(some.xy), measure)
+        large = large_places(some, found, measure, own_smallest)
+        found = Places(*(x[large] for x in found))
         polygons, coords, changed = _inserted(
             polygons, rings.coords, len(new), corner[found.edge], found.share
         )
@@ -254,6 +268,39 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     between = real[last] - real[first + 1]
     outside = of_ring - (real[last + 1] - real[first])
     return (ring[first] == ring[last]) & ((between == 0) | (outside == 0))
+
+
+def _edges_opposite(polygons, triangles):
+    """The edges of the polygons, by the corners they leave, and the vertex opposite in their triangle."""
+    xy, vertex = polygons.xy, polygons.vertex
+    after, several = vertex[polygons.next_corner], len(vertex) > len(xy)
+    corner = np.empty(len(xy), dtype=np.int64)
+    corner[vertex] = np.arange(len(vertex))
+    edges, apexes = [], []
+    for k in range(3):
+        a, b, v = (triangles[:, (k + other) % 3] for other in range(3))
+        edge = corner[a]
+        if several:  # rings touch: some vertices have several edges
+            key = vertex * len(xy) + after
+            order = np.argsort(key)
+            found = np.searchsorted(key, a.astype(np.int64) * len(xy) + b, sorter=order)
+            edge = order[np.minimum(found, len(order) - 1)]
+        on = np.flatnonzero((vertex[edge] == a) & (after[edge] == b))
+        edges.append(edge[on])
+        apexes.append(v[on])
+    return np.concatenate(edges), np.concatenate(apexes).astype(np.int64)
+
+
+def _concave(polygons):
+    """(n,) bool: the vertices at which the outline turns away from the inside."""
+    xy, vertex = polygons.xy, polygons.vertex
+    here, after = xy[vertex], xy[vertex[polygons.next_corner]]
+    out, into = after - here, here - xy[vertex[previous(polygons.offsets)]]
+    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
+    turns = cross < -np.tan(CONCAVE) * np.maximum((into * out).sum(axis=1), 0.0)
+    concave = np.zeros(len(xy), dtype=bool)
+    concave[vertex[turns & ~polygons.inserted]] = True
+    return concave
 
 
 def _inserted(polygons, coords, count, edge, share):

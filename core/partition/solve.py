@@ -390,7 +390,9 @@ def prepare(
     new_rows, short = np.empty((0, rings.coords.shape[1])), None
     if new_vertices and lines is None:
         polygons, new_rows = with_feet(
-            polygons, rings, ~wanted[component], measure=measure, engine=engine, check=check
+            polygons, rings, ~wanted[component],
+            smallest[polygons.number] / polygons.unit / polygons.unit,
+            measure=measure, engine=engine, check=check,
         )
         component, wanted, attachable = _components(polygons, measure, min_hole)
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
@@ -399,7 +401,7 @@ def prepare(
     if lines is None:
         found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
-            smallest=smallest[polygons.number] if generalise else None,
+            smallest=smallest[polygons.number] if generalise else None, only_natural=natural,
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length

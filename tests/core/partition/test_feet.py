@@ -133,7 +133,7 @@ def test_feet_are_feet(k):
     rings = one_polygon(s.coords, s.offsets)
     polygons, _ = from_rings(rings)
     more, coords = with_feet(polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool),
-                             measure=metric.planar())
+                             np.zeros(1), measure=metric.planar())
     corner = np.flatnonzero(more.rows[more.row_start[:-1]] >= len(s.coords))
     assert len(corner) == len(coords)
     real = ~polygons.inserted
@@ -152,7 +152,7 @@ def test_feet_are_feet(k):
         sees = shapely.covers(room, shapely.linestrings([[v, foot] for v in concave]))
         assert (upright & sees).any()
     triangles, _ = triangulate(more)
-    assert not len(places(more, triangles, metric.planar()).edge)
+    assert not len(places(more, triangles, more.xy, metric.planar()).edge)
 
 
 @pytest.mark.parametrize("count", [1, 2, 9, 40])
@@ -238,7 +238,7 @@ def test_a_foot_beside_a_touching_hole():
 
 def test_edges_along_an_edge():
     rings = one_polygon(NECK.coords, NECK.offsets)
-    polygons, _ = with_feet(from_rings(rings)[0], rings, EVERY, measure=metric.planar())
+    polygons, _ = with_feet(from_rings(rings)[0], rings, EVERY, np.zeros(1), measure=metric.planar())
     pairs = np.array([(u, v) for u in range(8) for v in range(8) if u != v])
     along = {frozenset(pair) for pair in pairs[along_edges(polygons, pairs)].tolist()}
     neighbours = {frozenset((k, (k + 1) % 8)) for k in range(8)}
