@@ -89,16 +89,21 @@ def places(
     edge, v = _edges_opposite(polygons, triangles)
     own = np.flatnonzero(_concave(polygons)[v])
     edge, v = edge[own], v[own]
+    along, to = position[after[edge]] - position[vertex[edge]], position[v] - position[vertex[edge]]
+    squared, away, passed = (
+        np.einsum("ij,ij->i", p, q) for p, q in ((along, along), (to, to), (along, to))
+    )
     # where the ends are so much farther away than the foot, the edge is not much shorter than they are far
     # away; in most triangles of a dense outline it is
-    along, to = position[after[edge]] - position[vertex[edge]], position[v] - position[vertex[edge]]
-    squared = np.einsum("ij,ij->i", along, along)
-    near = np.flatnonzero((1.0 - WIDER**-2) * np.einsum("ij,ij->i", to, to) <= squared * (1.0 + 1e-6))
-    edge, v, along, to = edge[near], v[near], along[near], to[near]
-    a, b = vertex[edge], after[edge]
-    with np.errstate(invalid="ignore", divide="ignore"):  # too small to be squared
-        share = (along * to).sum(axis=1) / (along * along).sum(axis=1)
-    inside = np.flatnonzero((share > 0.0) & (share < 1.0))
+    inside = np.flatnonzero(
+        (passed > 0.0) & (passed < squared) & ((1.0 - WIDER**-2) * away <= squared * (1.0 + 1e-6))
+    )
+    edge, v, squared, away, passed = (x[inside] for x in (edge, v, squared, away, passed))
+    a, b, share = vertex[edge], after[edge], passed / squared
+    # the same in full, but for what chords through the Earth lie below it
+    height = squared / 8.0 / np.maximum(np.abs(position[a]).max(axis=1), 1e-300)
+    nearer = np.minimum(away, away - 2.0 * passed + squared)
+    inside = np.flatnonzero(WIDER**2 * (away - share * passed - 4.0 * height**2) <= nearer * 1.01)
     edge, a, b, v, share = (x[inside] for x in (edge, a, b, v, share))
     foot = measure.positions(xy[a] + share[:, None] * (xy[b] - xy[a]))
     here = np.arange(len(v))
