@@ -189,7 +189,7 @@ class PartitionTool(IsthmusAlgorithm):
         )
         self.add_new_vertices(
             "Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays "
-            "as it is. Neighbours in the layer do not get them. Without effect where you give lines to choose "
+            "as it is. Neighbours in the layer do not get them. No effect where you give lines to choose "
             "from."
         )
 

@@ -63,8 +63,8 @@ metres and square metres on the ellipsoid. The results stay in the CRS of the la
 <p>At each tau, the way along the outline and the cuts that are left is at most tau times as long as each
 possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no
 solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay.
-No vertex is moved, and none is added unless you ask for it. What cannot be split passes through unchanged, with the reason in the field
-<i>status</i>.</p>
+No vertex is moved, and none is added unless you ask for it. What cannot be split passes through
+unchanged, with the reason in the field <i>status</i>.</p>
 """
 
 

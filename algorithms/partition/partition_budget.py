@@ -96,7 +96,7 @@ class PartitionBudgetAlgorithm(CuttingTool):
                 [smallest_dilation(budget) for budget in budgets],
                 joint_solver(problem.prepared, group, len(features), **options),
             )
-            tau = np.full(len(features), math.inf)
+            tau, reached = np.full(len(features), math.inf), np.full(len(features), math.inf)
             for f, (answer, proven) in enumerate(answers):
                 if isinstance(answer, OverBudget):
                     problem.refuse(
@@ -105,13 +105,13 @@ class PartitionBudgetAlgorithm(CuttingTool):
                         f"{answer.least:.12g}, for the cuts that connect holes",
                     )
                     continue
-                tau[f] = answer.tau
+                tau[f], reached[f] = answer.tau, answer.dilation
                 if not proven:
                     feedback.pushWarning(
                         f"Feature {features[f].id()}: a smaller detour than {answer.dilation:.6g} may "
                         "be possible within the budget, which could be neither shown nor ruled out."
                     )
-            return select(problem.prepared, tau[problem.owner], **options), tau
+            return select(problem.prepared, tau[problem.owner], **options), reached
 
         return choose
 

@@ -246,7 +246,7 @@ class TradeoffAlgorithm(PartitionTool):
 
 
 def _curves(problem, low, high, most, check):
-    """The trade-off of each feature of a chunk, and the fields of its steps; and `without_vertex` at its end."""
+    """The trade-off of each feature of a chunk and the fields of its steps; `without_vertex` at the ends."""
     import numpy as np
 
     from ...core.partition.solve import finish, select
@@ -266,8 +266,11 @@ def _curves(problem, low, high, most, check):
         tau = np.array([math.inf if joint is None else joint.tau for joint in own])
         selection = select(prepared, tau[problem.owner], **options)
         result = finish(prepared, selection, check=check)
-        last = np.array([step + 1 == len(curve.solutions) for curve in curves])
-        short += without_vertex(problem, selection, np.where(last, tau, math.inf))
+        left = [
+            joint.dilation if joint is not None and step + 1 == len(curve.solutions) else math.inf
+            for curve, joint in zip(curves, own)
+        ]
+        short += without_vertex(problem, selection, np.maximum(left, low))
         of_cut = problem.owner[prepared.owner[selection.selected]]
         mine = solved[prepared.owner[selection.selected]]
         cuts = np.bincount(of_cut[mine], minlength=count)

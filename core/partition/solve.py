@@ -735,11 +735,12 @@ def _still(polygons, good, short):
     """The places in some of the polygons, by the numbers in these."""
     if short is None:
         return None
-    kept, corner, vertex = good[polygons.polygon_of_vertex[short.apex]], *(
+    kept = good[polygons.polygon_of_vertex[short.apex]]
+    short = Places(*(x[kept] for x in short))
+    corner, vertex = (
         np.cumsum(np.repeat(good, np.diff(offsets))) - 1
         for offsets in (polygons.corner_offsets, polygons.vertex_offsets)
     )
-    short = Places(*(x[kept] for x in short))
     return short._replace(apex=vertex[short.apex], edge=corner[short.edge])
 
 
