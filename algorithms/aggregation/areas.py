@@ -184,9 +184,17 @@ def neighbours(areas):
 
 def joined_geometry(areas, polygons, extra, multi):
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
-    made = [
-        wkb.polygon_geometry(areas.coverage.coords, rings, extra, False) for rings in polygons
-    ]
+    import numpy as np
+
+    from ...core.rings import offsets_of
+
+    made = list(wkb.polygon_geometries(
+        areas.coverage.coords,
+        np.concatenate([ring for rings in polygons for ring in rings]),
+        offsets_of([len(ring) for rings in polygons for ring in rings]),
+        offsets_of([len(rings) for rings in polygons]),
+        [extra] * len(polygons), False,
+    ))
     if len(made) == 1:
         return _multi(made[0]) if multi else made[0]
     return QgsGeometry.collectGeometry(made)

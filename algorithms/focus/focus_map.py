@@ -34,7 +34,7 @@ from qgis.core import (
 from ..layers import wkb
 from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm
-from ..dependencies import dependency_problem, install_hint
+from ..dependencies import dependency_problem
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..layers.wkb import REAL, TEXT
@@ -129,7 +129,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return "Enlarges a region of a map and keeps the shape of the rest."
 
     def canExecute(self):
-        problem = dependency_problem() or scipy_problem() or engine_problem()
+        problem = dependency_problem() or scipy_problem()
         return not problem, problem
 
     def initAlgorithm(self, configuration=None):
@@ -455,10 +455,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
             for xy in (result.points, result.moved)
         )
-        for ends, kind, length, longer in zip(
-            result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
+        lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
+        for line, kind, length, longer in zip(
+            lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
         ):
-            line = wkb.line_geometry(result.moved, ends, 0)
             sinks.add(self.EDGES_USED, line, [kind, length, longer])
 
     def _carry(self, parameters, context, crs, result, feedback):
@@ -596,20 +596,6 @@ def scipy_problem():
             "Ubuntu: apt install python3-scipy)"
         )
     return ""
-
-
-def engine_problem():
-    """Return what to do if no engine can triangulate a whole frame, or ''."""
-    from importlib.util import find_spec
-
-    if find_spec("pythoncdt") or find_spec("triangle"):
-        return ""
-    import numpy
-
-    return (
-        "This tool needs the Python package pythoncdt or triangle. "
-        f"{install_hint(numpy.__version__, ['pythoncdt'])}"
-    )
 
 
 def _geometries(source, crs, context):

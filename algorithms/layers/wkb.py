@@ -4,6 +4,7 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 """
 
 import struct
+from functools import cache, lru_cache
 
 from qgis.core import Qgis, QgsField, QgsGeometry, QgsWkbTypes
 from qgis.PyQt.QtCore import QMetaType, QVariant
@@ -96,17 +97,6 @@ def read_polygons(geometries):
 _COUNT = struct.Struct("<I")
 
 
-def polygons(geometry):
-    """Return the polygons of one geometry as (coords, offsets) arrays; see `read_polygons`."""
-    rings, _, _ = read_polygons([geometry])
-    bounds = rings.polygon_offsets.tolist()
-    result = []
-    for lo, hi in zip(bounds[:-1], bounds[1:]):
-        offsets = rings.offsets[lo:hi + 1]
-        result.append((rings.coords[offsets[0]:offsets[-1]], offsets - offsets[0]))
-    return result
-
-
 def dimensions(wkb_type):
     """Return what ISO WKB adds to a type number for Z and M: 0, 1000, 2000 or 3000."""
     return 1000 * QgsWkbTypes.hasZ(wkb_type) + 2000 * QgsWkbTypes.hasM(wkb_type)
@@ -128,30 +118,6 @@ def line_type(wkb_type):
     if QgsWkbTypes.hasZ(wkb_type):
         kind = QgsWkbTypes.addZ(kind)
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
-
-
-def polygon_geometry(coords, rings, extra, multi):
-    """Return a polygon of rings of rows.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rings : list of (m,) int
-        Rows of each ring, the shell first, none repeated at the end.
-    extra : int
-        The `dimensions` of the coordinates.
-    multi : bool
-        Whether to wrap the polygon as a multipolygon.
-    """
-    import numpy as np
-
-    chunks = [_header(3 + extra, len(rings))]
-    for ring in rings:
-        closed = np.append(ring, ring[:1])  # an empty ring stays empty
-        chunks += [struct.pack("<I", len(closed)), coords[closed].tobytes()]
-    if multi:
-        chunks.insert(0, _header(6 + extra, 1))
-    return _geometry(chunks)
 
 
 def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
@@ -180,18 +146,18 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     data = coords[rows[np.repeat(offsets[:-1], closed) + along]]
     width = coords.shape[1]
     place = (8 * width * offsets_of(closed)).tolist()
-    counts = [_COUNT.pack(count) for count in closed.tolist()]
+    counts = closed.astype("<u4").tobytes()
     raw = data.tobytes()
     bounds = ring_offsets.tolist()
     for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
         chunks = [_header(6 + more, 1)] if multi else []
         chunks.append(_header(3 + more, hi - lo))
-        own = _width(more)
+        narrower = _width(more) != width
         for ring in range(lo, hi):
             part = raw[place[ring]:place[ring + 1]]
-            if own != width:
-                part = np.frombuffer(part).reshape(-1, width)[:, :own].tobytes()
-            chunks += (counts[ring], part)
+            if narrower:
+                part = np.frombuffer(part).reshape(-1, width)[:, :_width(more)].tobytes()
+            chunks += (counts[4 * ring:4 * ring + 4], part)
         yield _geometry(chunks)
 
 
@@ -216,14 +182,10 @@ def line_geometries(coords, rows, extra):
         yield _geometry([_header(2 + more, 2), part])
 
 
+@cache
 def _width(extra):
     """Ordinates of a vertex, by the `dimensions` of its geometry."""
     return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
-
-
-def line_geometry(coords, rows, extra):
-    """Return the straight line between rows; ``extra`` as in `polygon_geometry`."""
-    return _geometry([_header(2 + extra, len(rows)), coords[rows].tobytes()])
 
 
 class Runs:
@@ -329,6 +291,7 @@ def straight_lines(geometry):
     return lines
 
 
+@lru_cache(1000)  # most polygons have few rings
 def _header(kind, count):
     return struct.pack("<BII", 1, kind, count)
 
