@@ -447,9 +447,11 @@ def _items(problem, nested):
     prepared, made, parts = problem.prepared, nested.levels, nested.parts
     count = len(parts.area)
     of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
-    area = np.append(0.0, np.cumsum(parts.area[made.leaf]))
-    area = area[made.last] - area[made.first]
-    area[:count] = parts.area
+    area = [*parts.area.tolist(), *[0.0] * (len(made.parent) - count)]
+    for k, parent in enumerate(made.parent.tolist()):  # comes after its pieces
+        if parent >= 0:
+            area[parent] += area[k]
+    area = np.array(area)
     polygon = of_part[made.leaf[made.first]]
     number = prepared.polygons.number[polygon]
     shown = np.flatnonzero((made.from_tau < made.to_tau) & (problem.verdict[number] == ""))

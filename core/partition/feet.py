@@ -90,20 +90,21 @@ def places(
     own = np.flatnonzero(_concave(polygons)[v])
     edge, v = edge[own], v[own]
     along, to = position[after[edge]] - position[vertex[edge]], position[v] - position[vertex[edge]]
-    squared, away, passed = (
-        np.einsum("ij,ij->i", p, q) for p, q in ((along, along), (to, to), (along, to))
-    )
-    # where the ends are so much farther away than the foot, the edge is not much shorter than they are far
-    # away; in most triangles of a dense outline it is
-    inside = np.flatnonzero(
-        (passed > 0.0) & (passed < squared) & ((1.0 - WIDER**-2) * away <= squared * (1.0 + 1e-6))
-    )
-    edge, v, squared, away, passed = (x[inside] for x in (edge, v, squared, away, passed))
-    a, b, share = vertex[edge], after[edge], passed / squared
-    # the same in full, but for what chords through the Earth lie below it
-    height = squared / 8.0 / np.maximum(np.abs(position[a]).max(axis=1), 1e-300)
-    nearer = np.minimum(away, away - 2.0 * passed + squared)
-    inside = np.flatnonzero(WIDER**2 * (away - share * passed - 4.0 * height**2) <= nearer * 1.01)
+    with np.errstate(all="ignore"):  # magnitudes may be extreme; what overflows is no place
+        squared, away, passed = (
+            np.einsum("ij,ij->i", p, q) for p, q in ((along, along), (to, to), (along, to))
+        )
+        # where the ends are so much farther away than the foot, the edge is not much shorter than they are
+        # far away; in most triangles of a dense outline it is
+        inside = np.flatnonzero(
+            (passed > 0.0) & (passed < squared) & ((1.0 - WIDER**-2) * away <= squared * (1.0 + 1e-6))
+        )
+        edge, v, squared, away, passed = (x[inside] for x in (edge, v, squared, away, passed))
+        a, b, share = vertex[edge], after[edge], passed / squared
+        # the same in full, but for what chords through the Earth lie below it
+        height = squared / 8.0 / np.maximum(np.abs(position[a]).max(axis=1), 1e-300)
+        nearer = np.minimum(away, away - 2.0 * passed + squared)
+        inside = np.flatnonzero(WIDER**2 * (away - share * passed - 4.0 * height**2) <= nearer * 1.01)
     edge, a, b, v, share = (x[inside] for x in (edge, a, b, v, share))
     foot = measure.positions(xy[a] + share[:, None] * (xy[b] - xy[a]))
     here = np.arange(len(v))
