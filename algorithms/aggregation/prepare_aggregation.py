@@ -1,5 +1,6 @@
 """The tool ``isthmus:prepareaggregation``."""
 
+from functools import partial
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -22,16 +23,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool, report_short
-from ..partition.solving import (
-    Settings,
-    measure_of,
-    pieces,
-    prepare,
-    read,
-    reasons_of,
-    weigh_by_length,
-    without_vertex,
-)
+from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -169,8 +161,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
-        from ...core.aggregation.coverage import faults
+        from ...core.aggregation.areas import arrange, joined_rings, neighbours, rows_of
+        from ...core.aggregation.coverage import faults, with_shared_vertices
         from ...core.errors import Cancelled
+        from ...core.partition.features import pieces, weigh_by_length, without_vertex
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
@@ -210,9 +204,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
                         problem.prepared, tau, weight=problem.weight, check=check,
                         with_dilation=False,
                     )
-                    short += without_vertex(
-                        problem, selection, np.full(len(chunk.features), tau)
-                    )
+                    short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
                     parts = finish(problem.prepared, selection, check=check).parts
                     found = pieces(problem, parts)
                     coords = problem.chunk.rings.coords
@@ -239,13 +231,17 @@ class PrepareAggregationAlgorithm(PartitionTool):
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
-        rings = _joined([own for _, _, own, _ in cut])
-        found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
+        rings = joined_rings([own for _, _, own, _ in cut])
+        pieces_of = partial(
+            arrange, range(len(area)), owner=np.arange(len(area)), measure=settings.measure,
+            metre=layer.metres_of(crs),
+        )
+        found = pieces_of(rings)
         is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
         grown = np.zeros(len(area), dtype=bool)
         if is_new.any():
-            rings, grown = layer.with_shared_vertices(found, rings, is_new)
-            found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)
+            rings, grown = with_shared_vertices(rings, is_new, found.coverage, rows_of(found, rings))
+            found = pieces_of(rings)
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
             [wkb.dimensions(reader.wkb_type)] * len(area), multi,
@@ -273,7 +269,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
             )
 
         if with_table:
-            pairs, length = layer.neighbours(found)
+            pairs, length = neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
                 sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])
@@ -290,23 +286,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-
-
-def _joined(chunks):
-    """Rings of several chunks as one."""
-    import numpy as np
-
-    from ...core.rings import Rings, offsets_of
-
-    if not chunks:
-        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
-    # Z and M were made alike before; a chunk without any polygon has none
-    width = max(own.coords.shape[1] for own in chunks)
-    return Rings(
-        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
-        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
-        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
-    )
 
 
 def _class_index(tool, parameters, context, source):

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsFeatureSink,
     QgsFields,
     QgsGeometry,
-    QgsPoint,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -32,7 +31,6 @@ from qgis.core import (
 )
 
 from ..layers import wkb
-from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem
 from ..layers.source import WITHOUT_VALIDITY_CHECK
@@ -287,6 +285,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
+        from ...core.focus.globe import on_the_globe
+        from ...core.metric import FARTHEST
 
         begun = time.monotonic()
         crs = source.sourceCrs()
@@ -320,7 +320,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         frame = self.parameterAsBoolean(parameters, self.FRAME, context)
         growth, aspect = self.parameterAsDouble(parameters, self.GROWTH, context) / 100.0, 1.0
         if crs.isGeographic():
-            growth, aspect = _on_the_globe(rows, growth)
+            growth, aspect = on_the_globe(rows, growth)
             feedback.pushInfo(
                 f"The map is in degrees ({crs.authid()}). It is solved in the equidistant cylindrical "
                 f"projection with true lengths at latitude {math.degrees(math.acos(aspect)):.1f}, and "
@@ -387,6 +387,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         import numpy as np
         import shapely
 
+        from ...core.metric import FARTHEST
+
         found = []
         for geometry in _geometries(source, crs, context):
             data = bytes(_straight(geometry).asWkb())
@@ -436,12 +438,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         row, vertex, share = result.splits.T
         for feature, one in zip(held, runs):
             count = sum(one.counts)
-            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
             lo, hi = row.searchsorted((start, start + count))
-            if hi > lo:
-                geometry = _with_points(
-                    geometry, row[lo:hi] - start, result.moved[vertex[lo:hi].astype(int)], share[lo:hi]
-                )
+            splits = zip(
+                (row[lo:hi].astype(int) - start).tolist(),
+                result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
+            )
+            geometry = feature.geometry()
+            if count:
+                geometry = one.moved(result.rows[start:start + count], list(splits))
             start += count
             sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
@@ -545,33 +549,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             context.temporaryLayerStore().addMapLayer(carried)
             context.addLayerToLoadOnCompletion(carried.id(), details)
         return address
-
-
-def _on_the_globe(rows, growth):
-    """The growth for which a map in degrees stays on the globe, and its aspect."""
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    size = (high - low).tolist()
-    for axis, end in enumerate((180.0, 90.0)):
-        room = min(end + low[axis], end - high[axis])
-        growth = max(min(growth, 2.0 * room / size[axis] if size[axis] > 0.0 else growth), 0.0)
-    middle = min(abs(low[1] + high[1]) / 2.0, 85.0)
-    return growth, math.cos(math.radians(middle))
-
-
-def _with_points(geometry, rows, points, shares):
-    """A geometry with points put in after some of its own, from the first to the last."""
-    abstract = geometry.get()
-    for row, (x, y), share in reversed(list(zip(rows.astype(int).tolist(), points.tolist(), shares))):
-        _, here = geometry.vertexIdFromVertexNr(row)
-        _, there = geometry.vertexIdFromVertexNr(row + 1)
-        a, b = abstract.vertexAt(here), abstract.vertexAt(there)
-        point = QgsPoint(x, y)
-        if a.is3D():
-            point.addZValue(a.z() + share * (b.z() - a.z()))
-        if a.isMeasure():
-            point.addMValue(a.m() + share * (b.m() - a.m()))
-        abstract.insertVertex(there, point)
-    return geometry
 
 
 def _discard(path):
