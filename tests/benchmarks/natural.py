@@ -31,8 +31,8 @@ from isthmus.core.partition.hierarchy import hierarchy  # noqa: E402
 from isthmus.core.partition.natural import natural  # noqa: E402
 from isthmus.core.partition.polygon import from_rings  # noqa: E402
 from isthmus.core.partition.triangulation import diagonals, triangulate  # noqa: E402
-from isthmus.core.rings import one_polygon  # noqa: E402
-from tests.core import natural_parts, shapes, stages  # noqa: E402
+from isthmus.core.rings import one_polygon, signed_areas  # noqa: E402
+from tests.core import shapes, stages  # noqa: E402
 
 GLOBE = metric.ellipsoidal()
 SMALLEST, TAU = 0.01, 3.0  # on maps
@@ -64,6 +64,17 @@ def no_coasts(*letters):
 
 def ground(shape):
     return shapely.transform(shape, GLOBE.equal_area)
+
+
+def prepare(told, share, measure=None):
+    """Polygons with natural candidates; smaller parts than a share of their shells are none."""
+    return solve.prepare(told, natural=True, smallest=share * shells(told, measure), measure=measure)
+
+
+def shells(told, measure=None):
+    """(p,) float: the area of each polygon without its holes."""
+    plane = told.coords if measure is None else measure.equal_area(told.coords)
+    return np.abs(signed_areas(plane, told.offsets)[told.polygon_offsets[:-1]])
 
 
 # --------------------------------------------------------------------------------- people's parts
@@ -105,7 +116,7 @@ def measured_shapes():
     prepared = {None: solve.prepare(rings)}
     for place, smallest, tau in settings:
         if smallest not in prepared:
-            prepared[smallest] = natural_parts.prepare(rings, lambda area: smallest * area)[0]
+            prepared[smallest] = prepare(rings, smallest)
         ari = agreement(prepared[smallest], tau)
         share = "" if smallest is None else f"{smallest:.1%}"
         rows.append((place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}",
@@ -147,12 +158,13 @@ def measured_layers():
             told += [shapes.from_shapely(one) for one in polygons[large]]
             smallest += [SMALLEST * area.sum()] * int(large.sum())
             whole += [area.sum()] * int(large.sum())
+        all_told = stages.together(told)
         prepared = solve.prepare(
-            stages.together(told), natural=True, smallest=np.array(smallest), measure=GLOBE
+            all_told, natural=True, smallest=np.array(smallest), measure=GLOBE
         )
         number = prepared.polygons.number
         whole = np.array(whole)
-        area = natural_parts.shell_areas(prepared.polygons, GLOBE)
+        area = shells(all_told, GLOBE)[number]
         for tau in (2.5, TAU, 3.5):
             part = solve.finish(prepared, solve.select(prepared, tau))
             cut = np.flatnonzero(part.role == 0)
@@ -188,7 +200,7 @@ def lands(letter, count=10):
 
 def ends_of_cuts(shape, tau, smallest=SMALLEST):
     told = shapes.from_shapely(shapely.Polygon(shape.exterior))
-    prepared = natural_parts.prepare(one_polygon(*told), lambda area: smallest * area, GLOBE)[0]
+    prepared = prepare(one_polygon(*told), smallest, GLOBE)
     return prepared.polygons.xy[prepared.edges[solve.select(prepared, tau).selected]]
 
 
@@ -319,9 +331,10 @@ def measured_basins():
     for name in ("baltic", "michigan_huron", "persian_oman"):
         sea, truth = read(f"{name}_input")[0], [shapely.make_valid(one) for one in read(f"{name}_truth")]
         told = shapes.from_shapely(sea)
-        whole = ground(sea).area
         for tau in (TAU, 4.0):
-            prepared = natural_parts.prepare(one_polygon(*told), SMALLEST * whole, GLOBE)[0]
+            prepared = solve.prepare(
+                one_polygon(*told), natural=True, smallest=SMALLEST * ground(sea).area, measure=GLOBE
+            )
             result = solve.finish(prepared, solve.select(prepared, tau))
             parts = [
                 shapely.Polygon(told.coords[part[0], :2], [told.coords[hole, :2] for hole in part[1:]])
@@ -354,19 +367,18 @@ def measured_levels():
     if not missing(path):
         data = np.load(path)
         told = np.split(data["ring"], data["ring_start"][1:-1])
-        sets["silhouettes"] = natural_parts.prepare(
-            stages.together([(ring, [0, len(ring)]) for ring in told]), lambda area: 0.002 * area
-        )[0]
+        sets["silhouettes"] = prepare(
+            stages.together([(ring, [0, len(ring)]) for ring in told]), 0.002
+        )
     if WORLD.exists():
         polygons = shapely.get_parts(np.array(features("countries")))
         polygons = [one for one in polygons if shapely.area(ground(one)) > 1e9 and one.is_valid]
-        sets["countries"] = natural_parts.prepare(
-            stages.together([shapes.from_shapely(one) for one in polygons]),
-            lambda area: SMALLEST * area, GLOBE,
-        )[0]
+        sets["countries"] = prepare(
+            stages.together([shapes.from_shapely(one) for one in polygons]), SMALLEST, GLOBE
+        )
     if not no_coasts("i"):
         land = [shapes.from_shapely(shapely.Polygon(one.exterior)) for one in lands("i")]
-        sets["coasts"] = natural_parts.prepare(stages.together(land), lambda area: 1e-3 * area, GLOBE)[0]
+        sets["coasts"] = prepare(stages.together(land), 1e-3, GLOBE)
     taus = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0)
     rows = []
     for name, prepared in sets.items():
@@ -402,7 +414,7 @@ def measured_time():
         lap()
         edges = diagonals(polygons, triangles)
         position = measure.positions(polygons.xy)
-        area = natural_parts.shell_areas(polygons, measure)
+        area = shells(one_polygon(ring, [0, len(ring)]), measure)
         lap()
         found = natural(polygons, edges, triangles, position, measure, SMALLEST * area)
         lap()
