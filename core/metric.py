@@ -98,6 +98,6 @@ def _same(xy):
 
 
 def _planar_length(position, u, v):
-    d = position[u]
-    d -= position[v]
+    d = position.take(u, axis=0)
+    d -= position.take(v, axis=0)
     return np.hypot(d[:, 0], d[:, 1])

@@ -120,6 +120,9 @@ def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray
     >>> take(np.array([0, 2, 3, 5]), np.array([2, 0]))
     (array([3, 4, 0, 1]), array([0, 2, 4]))
     """
+    if len(which) and (np.diff(which) == 1).all():  # a run, often everything
+        own = offsets[which[0]:which[-1] + 2]
+        return np.arange(own[0], own[-1]), own - own[0]
     size = np.diff(offsets)[which]
     return ranges(offsets[:-1][which], size), offsets_of(size)
 
@@ -212,8 +215,8 @@ def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     """
     if not len(xy):
         return np.zeros(0)
-    first = np.repeat(offsets[:-1], np.diff(offsets))
-    x, y = (xy - xy[first]).T  # near the origin the shoelace formula cancels least
+    # near the origin the shoelace formula cancels least
+    x, y = (axis - np.repeat(axis[offsets[:-1]], np.diff(offsets)) for axis in xy.T)
     after = following(offsets)
     return 0.5 * np.add.reduceat(x * y[after] - x[after] * y, offsets[:-1])
 

@@ -4,6 +4,7 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 """
 
 import struct
+from functools import cache, lru_cache
 
 from qgis.core import Qgis, QgsField, QgsGeometry, QgsWkbTypes
 from qgis.PyQt.QtCore import QMetaType, QVariant
@@ -180,18 +181,18 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     data = coords[rows[np.repeat(offsets[:-1], closed) + along]]
     width = coords.shape[1]
     place = (8 * width * offsets_of(closed)).tolist()
-    counts = [_COUNT.pack(count) for count in closed.tolist()]
+    counts = closed.astype("<u4").tobytes()
     raw = data.tobytes()
     bounds = ring_offsets.tolist()
     for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
         chunks = [_header(6 + more, 1)] if multi else []
         chunks.append(_header(3 + more, hi - lo))
-        own = _width(more)
+        narrower = _width(more) != width
         for ring in range(lo, hi):
             part = raw[place[ring]:place[ring + 1]]
-            if own != width:
-                part = np.frombuffer(part).reshape(-1, width)[:, :own].tobytes()
-            chunks += (counts[ring], part)
+            if narrower:
+                part = np.frombuffer(part).reshape(-1, width)[:, :_width(more)].tobytes()
+            chunks += (counts[4 * ring:4 * ring + 4], part)
         yield _geometry(chunks)
 
 
@@ -216,6 +217,7 @@ def line_geometries(coords, rows, extra):
         yield _geometry([_header(2 + more, 2), part])
 
 
+@cache
 def _width(extra):
     """Ordinates of a vertex, by the `dimensions` of its geometry."""
     return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
@@ -329,6 +331,7 @@ def straight_lines(geometry):
     return lines
 
 
+@lru_cache(1000)  # most polygons have few rings
 def _header(kind, count):
     return struct.pack("<BII", 1, kind, count)
 
