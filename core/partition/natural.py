@@ -38,7 +38,7 @@ RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
 
 LEVELS = 8  # classes of small detail, each a quarter of the next
 DETAIL = 0.02  # detail below this share of the smallest part is not measured ...
-SCALES = 5  # ... and lengths along the outline are the mean over so many scales, each twice the last
+SCALES = 6  # ... and lengths along the outline are the mean over so many scales, each twice the last
 REACH = 0.5  # bends and widening are measured within this share of the diagonal's length
 BENT = 20.0  # degrees: least sum of the bends at both ends
 LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
@@ -303,7 +303,7 @@ def _outlines(plane, point, offsets, edge_length, least):
 
     How long a coast is depends on the stride it is measured with, and which corners stay on the
     chance of the data. Lengths of one scale made 33 cuts of the ten largest land masses at one
-    detail and 28 at another; their mean over five makes 32 or 33 at each.
+    detail and 28 at another; their mean over several makes as many at each.
     """
     finest = generalised(plane, point, offsets, edge_length, least)
     corner, total = finest.corner, finest.edge_length.copy()
