@@ -1,8 +1,8 @@
 """Natural candidates: do the cuts fall where people, maps and names have them?
 
-    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time]
+    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time] [--note]
 
-Without arguments all of it. `shapes` and `basins` read data that are not part of the project, from the
+Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json. `shapes` and `basins` read data that are not part of the project, from the
 folder shared/ beside it (or $ISTHMUS_SHARED); `coasts`, `necks`, `levels` and `time` read GSHHG (see gshhg.py
 for the package to install). What is missing is said, and skipped. On maps the smallest part is
 1 % of its feature and tau is 3; on silhouettes 0.2 % and 1, as the tables say.
@@ -23,7 +23,9 @@ import shapely
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import conftest  # noqa: E402  (makes the package importable)
 
-sys.path.insert(0, str(conftest.ROOT))
+sys.path[:0] = [str(conftest.ROOT), str(conftest.ROOT / "tools")]
+
+from measured import note  # noqa: E402
 
 from isthmus.core import metric  # noqa: E402
 from isthmus.core.partition import solve  # noqa: E402
@@ -37,6 +39,7 @@ from tests.core import shapes, stages  # noqa: E402
 GLOBE = metric.ellipsoidal()
 SMALLEST, TAU = 0.01, 3.0  # on maps
 SHARED = Path(os.environ.get("ISTHMUS_SHARED", conftest.ROOT.parent / "shared"))
+NOTED = {}  # for docs/measured
 WORLD = Path("/usr/share/qgis/resources/data/world_map.gpkg")
 
 
@@ -110,6 +113,7 @@ def measured_shapes():
         return np.array(found)
 
     rows = [("a person against another", "", "", f"{person:.3f}", "", "")]
+    NOTED.update(silhouettes=len(data), person=round(person, 2))
     settings = [("Any", None, tau) for tau in (4.0, 3.0)]
     settings += [("Natural", 0.002, tau) for tau in (1.0, 1.5, 2.0, 3.0)]
     settings += [("Natural", SMALLEST, tau) for tau in (1.0, TAU)]
@@ -119,6 +123,10 @@ def measured_shapes():
             prepared[smallest] = prepare(rings, smallest)
         ari = agreement(prepared[smallest], tau)
         share = "" if smallest is None else f"{smallest:.1%}"
+        name = {("Any", None, 4.0): "any", ("Natural", 0.002, 1.0): "shapes",
+                ("Natural", SMALLEST, TAU): "default"}.get((place, smallest, tau))
+        if name:
+            NOTED[f"agreement_{name}"] = round(ari.mean(), 2)
         rows.append((place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}",
                      f"{ari[~first].mean():.3f}"))
     print(f"Agreement with people (ARI), {len(data)} silhouettes; to reach: 0.53, and 0.45 at tau = {TAU:g}")
@@ -169,12 +177,15 @@ def measured_layers():
             part = solve.finish(prepared, solve.select(prepared, tau))
             cut = np.flatnonzero(part.role == 0)
             side = prepared.share[cut] * area[prepared.owner[cut]]
+            blunt = np.mean(side < prepared.chord[cut] ** 2)
+            if tau == TAU:
+                NOTED[name] = {"cuts": len(cut), "blunt": round(100 * blunt, 1)}
             made = np.repeat(np.diff(part.parts.part_offsets) > 1, np.diff(part.parts.part_offsets))
             of = np.repeat(number, np.diff(part.parts.part_offsets))
             rows.append((
                 name, tau, len(cut), np.count_nonzero(made),
                 f"{np.mean(part.parts.area[made] < 0.01 * whole[of[made]]):.1%}",
-                f"{np.mean(side < prepared.chord[cut] ** 2):.1%}",
+                f"{blunt:.1%}",
             ))
     print("QGIS's world map; to reach: at most 1 %, and 15 %")
     table(("layer", "tau", "cuts", "parts", "parts below 1 % of their feature",
@@ -225,6 +236,7 @@ def measured_coasts():
         land = lands(letter)
         found[letter] = [(shape, ends_of_cuts(shape, TAU)) for shape in land]
         count = [len(cuts) for _, cuts in found[letter]]
+        NOTED[f"land_{letter}"] = sum(count)
         rows.append((letter, sum(count), " ".join(map(str, count)), f"{time.process_time() - begun:.1f} s"))
     print(f"The ten largest land masses of GSHHG, tau = {TAU:g}; to reach: within 15 %")
     table(("detail", "cuts", "of each", "time"), rows)
@@ -236,6 +248,7 @@ def measured_coasts():
             west, south, east, north = ground(shape).bounds
             hit += near(cuts, twin[1], 0.02 * max(east - west, north - south))
             total += len(cuts)
+        NOTED[f"same_{one}_{other}"] = dict(zip(("middles", "ends"), (round(100 * x) for x in hit / total)))
         rows.append((name, total, *(f"{share:.0%}" for share in hit / total)))
     print("Of these cuts, within 2 % of the land mass's width of each other; to reach: 85 %")
     table(("", "cuts", "middles", "both ends"), rows)
@@ -273,6 +286,9 @@ def measured_necks():
             rows[name].append("" if absent else f"{same:.2f}, {away:.0f} km")
         real = [best[name] for name in best if name not in canals or label == "QGIS's map"]
         total[0].append(f"{np.mean([same >= 0.75 for _, same in real]):.0%}")
+        NOTED.setdefault("necks", {})[label.replace(" ", "_").replace("'", "")] = round(
+            100 * np.mean([same >= 0.75 for _, same in real])
+        )
         total[1].append(f"{np.mean([away <= 60.0 for away, _ in real]):.0%}")
     print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
           "coast in common with what the neck holds (of the coast that either has), and how far the ends of "
@@ -340,6 +356,8 @@ def measured_basins():
                 shapely.Polygon(told.coords[part[0], :2], [told.coords[hole, :2] for hole in part[1:]])
                 for part in result.parts.rings
             ]
+            if tau == TAU:
+                NOTED[f"agreement_{name}"] = round(rand_index(parts, truth), 2)
             rows.append((name, len(truth), tau, len(parts), np.count_nonzero(result.role == 0),
                          f"{rand_index(parts, truth):.2f}"))
     print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
@@ -439,8 +457,11 @@ PARTS = {
 }
 
 if __name__ == "__main__":
-    unknown = set(sys.argv[1:]) - set(PARTS)
+    asked = [word for word in sys.argv[1:] if word != "--note"]
+    unknown = set(asked) - set(PARTS)
     if unknown:
         sys.exit(f"{', '.join(sorted(unknown))}: choose from {', '.join(PARTS)}\n{__doc__}")
-    for name in sys.argv[1:] or PARTS:
+    for name in asked or PARTS:
         PARTS[name]()
+    if "--note" in sys.argv:
+        note("natural", {"source": "natural.py --note", **NOTED})
