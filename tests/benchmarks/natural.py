@@ -1,8 +1,9 @@
 """Natural candidates: do the cuts fall where people, maps and names have them?
 
-    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time] [--note]
+    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time]
 
-Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json. `shapes` and `basins` read data that are not part of the project, from the
+Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json.
+`shapes` and `basins` read data that are not part of the project, from the
 folder shared/ beside it (or $ISTHMUS_SHARED); `coasts`, `necks`, `levels` and `time` read GSHHG (see gshhg.py
 for the package to install). What is missing is said, and skipped. On maps the smallest part is
 1 % of its feature and tau is 3; on silhouettes 0.2 % and 1, as the tables say.
