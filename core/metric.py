@@ -16,7 +16,9 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-__all__ = ["Metric", "ellipsoidal", "planar"]
+__all__ = ["FARTHEST", "Metric", "ellipsoidal", "planar"]
+
+FARTHEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
 
 
 class Metric(NamedTuple):

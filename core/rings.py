@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-__all__ = ["Rings", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon", "previous",
-           "ranges", "running", "shapes", "signed_areas", "take"]
+__all__ = ["Rings", "closed", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon",
+           "previous", "ranges", "running", "shapes", "signed_areas", "take"]
 
 
 class Rings(NamedTuple):
@@ -97,6 +97,21 @@ def previous(offsets: np.ndarray) -> np.ndarray:
     some = offsets[1:] > offsets[:-1]
     before[offsets[:-1][some]] = offsets[1:][some] - 1
     return before
+
+
+def closed(offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the elements of each group with the first one again at its end, and the offsets of these.
+
+    Examples
+    --------
+    >>> closed(np.array([0, 3, 3, 5]))
+    (array([0, 1, 2, 0, 3, 4, 3]), array([0, 4, 4, 7]))
+    """
+    size = np.diff(offsets)
+    count = size + (size > 0)  # an empty ring stays empty
+    along = ranges(np.zeros(len(size), dtype=np.int64), count)
+    along -= np.repeat(np.where(size > 0, size, 1), count) * (along == np.repeat(size, count))
+    return np.repeat(offsets[:-1], count) + along, offsets_of(count)
 
 
 def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
