@@ -16,6 +16,7 @@ import argparse
 import json
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 
 import maps
@@ -58,6 +59,11 @@ from qgis.core import (
 
 sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "tests"))
+import conftest  # noqa: E402, F401  (makes the package importable)
+
+from isthmus.core import metric  # noqa: E402
 
 DATA = None  # the folder with the other data sets
 MEDITERRANEAN = (-9.0, 29.5, 42.2, 47.6), (18.0, 35.0)  # a box, and a place in its water
@@ -111,6 +117,56 @@ def sea(name, box, inside):
 
 
 # --- The maps ---------------------------------------------------------------------------------------
+
+
+def countries():
+    """All countries of QGIS's world map, by every diagonal as it was by default, and by the default now."""
+    path = BUILD / "countries.gpkg"
+    countries = world()
+    names = [str(feature["iso_a2"]) for feature in countries.getFeatures()]
+    saved(path, list(shapes(countries)), name=names)
+    noted, panels, near = {}, [], []
+    for key, title, parameters in (
+        ("before", "Every diagonal, tau = 4", {"TAU": 4, **EVERY_DIAGONAL}),
+        ("after", "Natural places, by default", {}),
+    ):
+        done = run(
+            "isthmus:partition", INPUT=path, **parameters,
+            OUTPUT=BUILD / f"countries_{key}_parts.gpkg", CUTS=BUILD / f"countries_{key}_cuts.gpkg",
+        )  # fmt: skip
+        parts, cuts = opened(done.results["OUTPUT"]), opened(done.results["CUTS"])
+        noted[key] = {
+            "command": done.command, "cuts": done.results["CUT_COUNT"], "seconds": round(done.seconds, 1),
+            **crumbs(parts, cuts),
+        }  # fmt: skip
+        title = f"{title}: {noted[key]['cuts']:,} cuts"
+        for panel, frame, crs, width in (
+            (panels, (-17.0e6, -6.9e6, 17.0e6, 8.6e6), "ESRI:54030", 0.25),
+            (near, (2_450_000, 1_350_000, 6_050_000, 4_850_000), "EPSG:3035", 0.3),
+        ):
+            colours = LAND_PARTS if panel is near else [LAND] * len(LAND_PARTS)
+            panel.append(Panel(
+                [line(opened(done.results["CUTS"]), width=width), fill(world(), "transparent", "#77726a", 0.12),
+                 coloured(parts, cuts, colours, "transparent")],
+                frame, crs, title,
+            ))  # fmt: skip
+    noted["countries"] = len(names)
+    picture("countries", panels, width=1280)
+    picture("countries_europe", near)
+    return noted
+
+
+def crumbs(parts, cuts):
+    """The parts on both sides of a cut, and how many per cent of them are below 1 % of their feature."""
+    ground = metric.ellipsoidal()
+    beside = {(cut["source"], part) for cut in cuts.getFeatures() for part in (cut["part_a"], cut["part_b"])}
+    area, whole = {}, Counter()
+    for one in parts.getFeatures():
+        shape = shapely.from_wkb(bytes(one.geometry().asWkb()))
+        area[one["source"], one["part"]] = size = shapely.transform(shape, ground.equal_area).area
+        whole[one["source"]] += size
+    small = sum(area[key] < 0.01 * whole[key[0]] for key in beside)
+    return {"parts": len(beside), "crumbs": round(100 * small / len(beside), 1)}
 
 
 def western_europe():
@@ -531,7 +587,7 @@ def projected(polygons, crs):
 MAPS = {
     make.__name__: make
     for make in (
-        western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
+        countries, western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
         floor_plan, land_cover, focus_map,
     )
 }  # fmt: skip

@@ -8,6 +8,7 @@ from qgis.core import (
     QgsExpressionContext,
     QgsFeatureRequest,
     QgsProcessing,
+    QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
     QgsProcessingParameterFeatureSink,
@@ -67,6 +68,7 @@ class PartitionTool(IsthmusAlgorithm):
     MIN_LENGTH = "MIN_LENGTH"
     MIN_HOLE = "MIN_HOLE"
     CANDIDATES = "CANDIDATES"
+    NEW_VERTICES = "NEW_VERTICES"
     MAX_GAP = "MAX_GAP"
 
     def add_input(self):
@@ -182,6 +184,22 @@ class PartitionTool(IsthmusAlgorithm):
             "reported with its id; where two cross, the shorter one is used.",
             advanced=True,
         )
+        self.add_new_vertices(
+            "Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays "
+            "as it is. Neighbours in the layer do not get them. No effect where you give lines to choose "
+            "from."
+        )
+
+    def add_new_vertices(self, more):
+        self.add(
+            QgsProcessingParameterBoolean(
+                self.NEW_VERTICES, "Cuts may end at new vertices on edges", False, True
+            ),
+            "Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, "
+            "a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. "
+            + more,
+            advanced=True,
+        )
 
     def add_max_gap(self):
         self.add(
@@ -250,6 +268,7 @@ class PartitionTool(IsthmusAlgorithm):
             natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
             floors=self.floors(parameters, context, source),
             lines=lines,
+            new_vertices=self.parameterAsBoolean(parameters, self.NEW_VERTICES, context),
             weigh=weigh,
             all_dilations=all_dilations,
         )
@@ -295,7 +314,7 @@ class CuttingTool(PartitionTool):
     in_place = False  # whether the parts take the place of the features of an editable layer
 
     def chooser(self, parameters, context, source, feedback):
-        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection."""
+        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection and each tau."""
         raise NotImplementedError
 
     def add_outputs(self):
@@ -345,6 +364,8 @@ class CuttingTool(PartitionTool):
         )
 
     def processAlgorithm(self, parameters, context, feedback):
+        from ...core.partition.features import without_vertex
+
         source = self.source(parameters, context)
         reader = Reader(source, feedback)
         with Sinks(self, parameters, context, feedback) as sinks:
@@ -358,7 +379,8 @@ class CuttingTool(PartitionTool):
                 for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
-                        selection = choose(problem, stretch(check, 0.5, 0.7))
+                        selection, tau = choose(problem, stretch(check, 0.5, 0.7))
+                        writer.short += without_vertex(problem, selection, tau)
                         solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
                         writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
@@ -416,7 +438,7 @@ class _Writer:
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
-        self.small, self.holes, self.rules = 0, 0, [0] * 5
+        self.small, self.holes, self.rules, self.short = 0, 0, [0] * 5, 0
         self.done = 0  # features that are written as a whole
 
     def write(self, problem, solution, feedback, check):
@@ -552,6 +574,7 @@ class _Writer:
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
         report_rules(feedback, self.small, self.holes, self.rules)
+        report_short(feedback, self.short)
         if skipped:
             feedback.pushInfo(
                 f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
@@ -579,6 +602,15 @@ def report_rules(feedback, small, holes, rules):
     else:
         text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
     feedback.pushInfo(text)
+
+
+def report_short(feedback, short):
+    """Say at how many places a cut is missing for want of a vertex."""
+    if short:
+        feedback.pushInfo(
+            f"No vertex to end a cut at: {counted(short, 'place')}, edges opposite a concave corner, where "
+            "the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there."
+        )
 
 
 def _or_null(value):
