@@ -161,7 +161,7 @@ def cluster(count):
         for k, own in enumerate(np.array_split(np.arange(count), FILES)):
             table.iloc[own].to_parquet(f"{folder}/{k:02}.parquet")
         del table
-        rows = {}
+        rows = {"count": count}
         for name in ("alone", "together"):  # each in a process of its own, for its peak of memory
             done = subprocess.run(
                 [sys.executable, __file__, name, folder], stdout=subprocess.PIPE, encoding="utf-8", check=True
