@@ -4,11 +4,8 @@
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsProcessing,
-    QgsProcessingException,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
-    QgsProcessingParameterFeatureSource,
-    QgsProcessingParameterField,
     QgsProcessingParameterNumber,
     QgsProcessingUtils,
     QgsWkbTypes,
@@ -24,6 +21,7 @@ from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
 from ..partition.solving import Settings, measure_of, pieces, prepare, read, reasons_of, weigh_by_length
 from . import areas as layer
+from .areas_tool import AreasTool, field_index
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
@@ -46,11 +44,10 @@ GIScience 2016, section 5.2.</p>
 """
 
 
-class PrepareAggregationAlgorithm(PartitionTool):
+class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
     """Split the areas of a coverage at bottlenecks."""
 
     help_text = HELP
-    CLASS = "CLASS"
     TAU = "TAU"
     OUTPUT = "OUTPUT"
     ADJACENCY = "ADJACENCY"
@@ -66,12 +63,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
     def displayName(self):
         return "Prepare areas for aggregation"
 
-    def group(self):
-        return "Area aggregation"
-
-    def groupId(self):
-        return "aggregation"
-
     def tags(self):
         return (
             "aggregation,generalize,generalization,land cover,land use,split,bottleneck,coverage,"
@@ -84,14 +75,8 @@ class PrepareAggregationAlgorithm(PartitionTool):
     def initAlgorithm(self, configuration=None):
         add = self.add
         number = QgsProcessingParameterNumber.Type
-        add(
-            QgsProcessingParameterFeatureSource(
-                self.INPUT, "Areas", [QgsProcessing.SourceType.TypeVectorPolygon]
-            ),
+        self.add_areas(
             "The areas of a map, which fill it without overlaps and gaps.",
-        )
-        add(
-            QgsProcessingParameterField(self.CLASS, "Class field", parentLayerParameterName=self.INPUT),
             "The field with the class of each area. Areas without one are reported.",
         )
         add(
@@ -160,7 +145,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
-        class_index = _class_index(self, parameters, context, source)
+        class_index = field_index(self, parameters, context, source, self.CLASS)
         crs, reader = source.sourceCrs(), Reader(source, feedback)
         multi = QgsWkbTypes.isMultiType(reader.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
@@ -283,18 +268,6 @@ def _joined(chunks):
         offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
         offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
     )
-
-
-def _class_index(tool, parameters, context, source):
-    """Index of the class field."""
-    name = tool.parameterAsString(parameters, tool.CLASS, context)
-    index = source.fields().lookupField(name)
-    if index < 0:
-        names = ", ".join(field.name() for field in source.fields())
-        raise QgsProcessingException(
-            f"The areas have no field {name!r} (CLASS). Their fields are: {names}."
-        )
-    return index
 
 
 def _report(feedback, kept, overlaps, gaps, classless, most=10):
