@@ -31,6 +31,7 @@ UNITS = 4e8  # capacities are whole numbers of 32 bits; all of them together are
 STEPS = 3  # cuts for each core and round
 FADE = 0.97  # what is left of a core's prices in the next round
 PATIENCE, SHORTER = 8, 0.8  # rounds without a better bound until the steps get shorter, and how much
+LEAST_GAIN = 1e-5  # of the cost, by which a bound is better
 FIRST_STEP, LAST_STEP = 0.4, 0.02  # length of the steps, as shares of Polyak's
 MOMENTUM = 0.6
 LAST_CUTS = 12  # for each core in the end, to see which are in no better solution
@@ -114,10 +115,9 @@ def lagrangian(part: _Part, until: float, check: Callable) -> Bound:
         rounds += 1
         chosen = _chosen(least, free, most)
         now = float(lam.sum() + least[chosen].sum())
+        fails = 0 if now > value + LEAST_GAIN * best else fails + 1
         if now > value:
-            value, kept, fails = now, (lam, list(prices)), 0
-        else:
-            fails += 1
+            value, kept = now, (lam, list(prices))
         if fails == PATIENCE:
             step, fails, (lam, prices) = step * SHORTER, 0, (kept[0], list(kept[1]))
         surplus = 1.0 - region[chosen].sum(axis=0)

@@ -26,7 +26,7 @@ except MissingEngine:
 @pytest.fixture(autouse=True)
 def fewer_rounds(monkeypatch):
     """The bound holds however far the prices have come."""
-    monkeypatch.setattr(prices, "LAST_STEP", 0.2)
+    monkeypatch.setattr(prices, "LAST_STEP", 0.3)
 
 
 def bounded(problem, begin, big=None, seconds=60.0):
@@ -49,7 +49,7 @@ def maps():
 
 def test_below_the_optimum_and_near_it():
     ratios, ruled_out = [], 0
-    for _, problem in zip(range(8), maps()):
+    for _, problem in zip(range(6), maps()):
         best, begin = cheapest(problem), annealing(problem, iterations=2000)
         part, found = bounded(problem, begin)
         assert found.value <= best * (1.0 + 1e-9)
@@ -66,7 +66,7 @@ def test_below_the_optimum_and_near_it():
 def test_a_core_that_is_ruled_out_is_in_no_better_solution():
     """From a poor solution: the best one costs less, so that its cores must be left."""
     better = 0
-    for _, problem in zip(range(7), maps()):
+    for _, problem in zip(range(6), maps()):
         begin = greedy(problem)
         part, found = bounded(problem, begin)
         best = exact(problem, decompose=False).found
@@ -78,7 +78,7 @@ def test_a_core_that_is_ruled_out_is_in_no_better_solution():
 
 def test_large_areas_that_are_cores_beforehand():
     tried = 0
-    for _, problem in zip(range(9), maps()):
+    for _, problem in zip(range(7), maps()):
         big = enough(problem.size, problem.theta[problem.cls])
         if not big.any() or big.all():
             continue
@@ -109,7 +109,7 @@ def test_exact_is_as_exact_with_it(by_class, monkeypatch):
 def test_a_middle_sized_map_has_a_bound_that_means_something():
     problem = random_map(4, n=40)._replace(theta=np.full(3, 40.0))
     begin = annealing(problem, seed=1, iterations=20_000)
-    _, found = bounded(problem, begin, seconds=4.0)
+    _, found = bounded(problem, begin, seconds=2.0)
     total = costs(problem, begin).total
     # each area with the core that suits it best, whatever is large enough and contiguous
     alone = shares(problem, np.arange(40), np.arange(40)).min(axis=1).sum()
