@@ -14,19 +14,20 @@ import numpy as np
 from .. import metric
 from ..errors import Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, one_polygon, take
+from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
-from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
+from .feet import Places, along_edges, with_feet
+from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
 from .polygon import Polygons, from_rings
 
-__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
+__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
 AMBIGUOUS = "the rings could not be connected (their touching is ambiguous)"
 
@@ -67,6 +68,8 @@ class Prepared(NamedTuple):
         Length of the polygon edge that leaves each corner, on the generalised outline if there is one.
     generalised : bool
         Whether there is one.
+    natural : bool
+        Whether the candidates are natural: of equally few cuts, those of salient parts are taken.
     set_aside : (q, 5) int
         For each input polygon, how many diagonals each rule of `natural` kept (the first column) or set
         aside.
@@ -75,6 +78,11 @@ class Prepared(NamedTuple):
         What became of the lines given as candidates, for each input polygon (None where it is invalid).
     edge_line : (k,) int or None
         The line of each edge.
+    new_rows : (f, d) float
+        The rows from ``len(coords)`` on: new vertices inside edges, if these were asked for.
+    places : feet.Places or None
+        Where a cut was not possible for want of such a vertex, in the vertices and corners of the
+        polygons; None where that was not looked for.
     """
 
     polygons: Polygons
@@ -91,10 +99,13 @@ class Prepared(NamedTuple):
     bounded: np.ndarray
     edge_length: np.ndarray
     generalised: bool
+    natural: bool
     set_aside: np.ndarray
     carved: Carved
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
+    places: Places | None
 
     @property
     def edge_rows(self) -> np.ndarray:
@@ -190,7 +201,7 @@ class Partition(NamedTuple):
         SELF (in S), LEAF or ROOT: on which side the witness lies.
     parts : Parts
         Its ``sides`` belong to the edges with role SELF, in their order.
-    lines, edge_line
+    lines, edge_line, new_rows
         See `Prepared`.
     """
 
@@ -210,6 +221,7 @@ class Partition(NamedTuple):
     parts: Parts
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
 
 
 def partition(
@@ -222,6 +234,7 @@ def partition(
     min_length: float = 0.0,
     min_hole: float = 0.0,
     lines: np.ndarray | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     weigh: Callable | None = None,
@@ -254,6 +267,10 @@ def partition(
     lines : (l, 2, 2) float, optional
         Ends of the candidates to use instead of a triangulation's diagonals; those that are no
         diagonals are left out (see `candidates.from_lines`).
+    new_vertices : bool
+        Whether cuts may also end inside edges, at the foot of a perpendicular from a concave vertex
+        (see `feet.with_feet`). Those that a cut uses become vertices: rows of ``new_rows``. With lines
+        given it has no effect.
     measure : metric.Metric, optional
         Default: `metric.planar()`.
     engine : str, optional
@@ -300,6 +317,7 @@ def partition(
         min_length=min_length,
         min_hole=min_hole,
         lines=None if lines is None else [lines],
+        new_vertices=new_vertices,
         measure=measure,
         engine=engine,
         check=stretch(check, 0.0, 0.65),
@@ -332,6 +350,7 @@ def prepare(
     min_length: float | np.ndarray = 0.0,
     min_hole: float | np.ndarray = 0.0,
     lines: list | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     check: Callable = ignore,
@@ -347,7 +366,7 @@ def prepare(
         For all polygons or each; see `partition`.
     lines : list of (l, 2, 2) float, optional
         For each polygon the candidates to use; see `partition`.
-    measure, engine
+    new_vertices, measure, engine
         See `partition`.
     check : callable, optional
         Called with the share done; may raise `Cancelled`.
@@ -371,13 +390,21 @@ def prepare(
     generalise = lines is None and (natural or bool((smallest > 0.0).any()))
     check(0.15)
     component, wanted, attachable = _components(polygons, measure, min_hole)
+    new_rows, short = np.empty((0, rings.coords.shape[1])), None
+    if new_vertices and lines is None:
+        polygons, new_rows = with_feet(
+            polygons, rings, ~wanted[component],
+            smallest[polygons.number] / polygons.unit / polygons.unit,
+            measure=measure, engine=engine, check=check,
+        )
+        component, wanted, attachable = _components(polygons, measure, min_hole)
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
     accepted = None
     more: dict[str, np.ndarray] = {}  # what else belongs to the edges
     if lines is None:
         found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
-            smallest=smallest[polygons.number] if generalise else None,
+            smallest=smallest[polygons.number] if generalise else None, only_natural=natural,
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
@@ -387,6 +414,13 @@ def prepare(
             number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
             np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
             more["share"] = found.share
+        if len(new_rows):
+            chosen &= ~along_edges(polygons, edges)
+        elif not new_vertices:
+            short = found.places
+            owner = polygons.polygon_of_vertex[short.apex]
+            long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
+            short = Places(*(x[long] for x in short))
         verdict[polygons.number] = problem
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
@@ -397,7 +431,9 @@ def prepare(
 
     while True:
         if (problem != "").any():  # go on without the polygons that cannot be solved
-            polygons, edges, outline, more = _kept(polygons, problem == "", edges, outline, more)
+            good = problem == ""
+            short = _still(polygons, good, short)
+            polygons, edges, outline, more = _kept(polygons, good, edges, outline, more)
             component, wanted, attachable = _components(polygons, measure, min_hole)
         owner = polygons.polygon_of_vertex[edges[:, 0]]
         unit = polygons.unit[owner]
@@ -436,10 +472,13 @@ def prepare(
                 bounded=bounded,
                 edge_length=edge_length,
                 generalised=generalise,
+                natural=natural and lines is None,
                 set_aside=set_aside,
                 carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
                 edge_line=more.get("edge_line"),
+                new_rows=new_rows,
+                places=short,
             )
             carved, ambiguous = _carve(prepared, tree)
             if not ambiguous.any():
@@ -483,6 +522,11 @@ def select(
     Returns
     -------
     Selection
+
+    Notes
+    -----
+    Of several sets of fewest cuts, MinSize takes any; among natural candidates that where the cuts are
+    shortest beside the size of their parts (see `_salient`).
     """
     check(0.0)
     carved, owner, count = prepared.carved, prepared.owner, len(prepared.polygons.unit)
@@ -492,6 +536,8 @@ def select(
     cut = min_size(carved.net, tau[of_node], search if weight is None else check) == SELF
     ones = np.ones(len(owner))
     lower_bound = _sums(owner, ones, np.append(carved.tree, carved.node_edge[cut[count:]]), count)
+    if weight is None and prepared.natural:
+        cut = _salient(prepared, cut, tau[of_node], search)
     if weight is not None:
         # a MinSize solution to begin with: the result never costs more
         cut, lower_bound = min_weight(
@@ -509,10 +555,12 @@ def select(
     if prepared.with_holes.any():
         price = prepared.chord if weight is None else weight
         selected = _without_redundant(prepared, selected, tau, price, check)
-        if weight is not None:
+        if weight is not None or prepared.natural:
             # which cuts turn out to be redundant is a matter of luck: never end up dearer
-            fewest = select(prepared, tau, check=check, with_dilation=False).selected
-            dearer = _sums(owner, weight, fewest, count) < _sums(owner, weight, selected, count)
+            plain = prepared._replace(natural=False)
+            fewest = select(plain, tau, check=check, with_dilation=False).selected
+            paid = ones if weight is None else weight
+            dearer = _sums(owner, paid, fewest, count) < _sums(owner, paid, selected, count)
             selected = np.sort(np.append(
                 selected[~dearer[owner[selected]]], fewest[dearer[owner[fewest]]]
             ))
@@ -577,7 +625,103 @@ def finish(
         ),
         lines=prepared.lines,
         edge_line=prepared.edge_line,
+        new_rows=prepared.new_rows,
     )
+
+
+def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) -> np.ndarray:
+    """Count the edges where a cut is missing because there is no vertex to end at.
+
+    These are the edges of P with the foot of a perpendicular from the concave vertex opposite (that of the
+    triangle beside the edge, see `feet.places`), natural ones if the candidates are, for which the shortest
+    way in P and S is more than tau times as long as the perpendicular.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        Without new vertices.
+    selection : Selection
+    tau : (p,) float
+
+    Returns
+    -------
+    (p,) int
+        For each polygon; with holes, as far as ways around these are known from the polygon carved open:
+        never too few.
+
+    Notes
+    -----
+    O(n), but for a sort of n + 2 |S| integers. A place lies in a triangle, and so in one face of P and S;
+    by the triangle inequality the shortest way leads along the boundary of that face.
+
+    Examples
+    --------
+    >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> prepared = prepare(one_polygon(xy, [0, 7]))
+    >>> without_vertex(prepared, select(prepared, 4.0), np.array([4.0]))
+    array([1])
+    """
+    short, polygons, (tree, _, walk, _) = prepared.places, prepared.polygons, selection.carved
+    roots = len(polygons.unit)
+    if short is None or not len(short.edge):
+        return np.zeros(roots, dtype=np.int64)
+    cuts = selection.selected[~np.isin(selection.selected, tree)]
+    i, j = walk.i[cuts], walk.j[cuts]
+    faces = build_tree(walk.offsets, i, j)
+    below = np.empty(len(cuts), dtype=np.int64)
+    below[faces.diagonal] = np.arange(roots, roots + len(cuts))
+    # the half-edges along each face: the walk's own, and both sides of the cuts
+    m, step = len(walk.corner), _steps(prepared, walk, tree)
+    face = np.concatenate((faces.edge_face, faces.parent[below], below))
+    key = face * m + np.concatenate((np.arange(m), i, j))
+    order = np.argsort(key, kind="stable")
+    key, size = key[order], np.concatenate((step, prepared.length[cuts], prepared.length[cuts]))[order]
+    passed, around = running(size, offsets_of(np.bincount(face, minlength=roots + len(cuts))))
+
+    place = np.empty(len(polygons.vertex), dtype=np.int64)
+    on_edge = np.flatnonzero(walk.edge >= 0)
+    place[walk.edge[on_edge]] = on_edge
+    edge = place[short.edge]
+    own = faces.edge_face[edge]
+    foot = passed[np.searchsorted(key, own * m + edge)] + short.share * step[edge]
+    # the walk may pass a vertex several times, and touch several faces there
+    vertex = polygons.vertex[walk.corner]
+    by_vertex = np.argsort(vertex, kind="stable")
+    first = np.searchsorted(vertex[by_vertex], short.apex)
+    times = np.searchsorted(vertex[by_vertex], short.apex, side="right") - first
+    which = np.repeat(np.arange(len(edge)), times)
+    wanted = own[which] * m + by_vertex[ranges(first, times)]
+    at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    which, at = which[key[at] == wanted], at[key[at] == wanted]
+    way = np.abs(passed[at] - foot[which])
+    shortest = np.full(len(edge), np.inf)
+    np.minimum.at(shortest, which, np.minimum(way, around[own[which]] - way))
+    owner = polygons.polygon_of_vertex[short.apex]
+    length = short.length * polygons.unit[owner]
+    beyond = shortest > np.broadcast_to(tau, roots)[owner] * length * (1.0 + SLACK)
+    return np.bincount(owner[beyond], minlength=roots)
+
+
+def _salient(prepared, cut, tau, check):
+    """Of the solutions with as few cuts, that whose parts are the most salient (Hoffman and Singh 1997).
+
+    A part is the more salient the shorter its cut is beside the root of its area. The sum of these ratios
+    is a second objective: a cut weighs one and a bit, and the bits of the first solution are a half
+    together, so another cut is never worth them. Trees that are too large for an exact pass stay as they
+    are. On provinces 15.7 instead of 18.0 % of the cuts got a part with less area than a square on them.
+    """
+    carved, owner = prepared.carved, prepared.owner
+    count = len(prepared.polygons.unit)
+    # a cut between two rings has no side of its own: as if it halved the polygon
+    ratio = prepared.chord / np.sqrt(np.where(np.isnan(prepared.share), 0.5, prepared.share))
+    first = _sums(owner, ratio, carved.node_edge[cut[count:]], count)
+    bit = np.divide(0.5, first, out=np.zeros(count), where=first > 0.0)
+    weight = 1.0 + ratio * bit[owner]
+    cut, _ = min_weight(
+        carved.net, np.append(np.zeros(count), weight[carved.node_edge]), tau,
+        max_gap=0.0, start=cut, check=check, max_points=0,
+    )  # fmt: skip
+    return cut
 
 
 def _mask(indices, size):
@@ -622,6 +766,19 @@ def _kept(polygons, good, edges, outline, more):
     return polygons, number[edges[kept]], outline, {name: x[kept] for name, x in more.items()}
 
 
+def _still(polygons, good, short):
+    """The places in some of the polygons, by the numbers in these."""
+    if short is None:
+        return None
+    kept = good[polygons.polygon_of_vertex[short.apex]]
+    short = Places(*(x[kept] for x in short))
+    corner, vertex = (
+        np.cumsum(np.repeat(good, np.diff(offsets))) - 1
+        for offsets in (polygons.corner_offsets, polygons.vertex_offsets)
+    )
+    return short._replace(apex=vertex[short.apex], edge=corner[short.edge])
+
+
 def _metric(prepared, carved):
     """Lengths of the edges that keep the triangle inequality though the outline got shorter.
 
@@ -654,11 +811,17 @@ def _carve(prepared, tree):
     if ambiguous.any():
         return None, ambiguous
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    step = prepared.edge_length[walk.edge]
-    along_tree = walk.edge < 0
-    step[along_tree] = length[tree[-1 - walk.edge[along_tree]]]
+    step = _steps(prepared, walk, tree)
     dual = build_tree(walk.offsets, walk.i[free], walk.j[free])
     return Carved(tree, free, walk, network(dual, walk.offsets, step, length[free])), ambiguous
+
+
+def _steps(prepared, walk, tree):
+    """Lengths of the edges of walks."""
+    step = prepared.edge_length[walk.edge]
+    along_tree = walk.edge < 0
+    step[along_tree] = prepared.length[tree[-1 - walk.edge[along_tree]]]
+    return step
 
 
 def _graph(prepared, selected):
