@@ -158,7 +158,7 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
             "SMALLEST_PART": lambda feature: smallest_part, "MIN_LENGTH": lambda feature: 0.0,
             "MIN_HOLE": lambda feature: 0.0,
         },
-        lines=None, weigh=None, all_dilations=False,
+        lines=None, new_vertices=False, weigh=None, all_dilations=False,
     )  # fmt: skip
     problems, nested = [], []
     for chunk in read(features, settings, feedback):
