@@ -210,14 +210,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 self.GROWTH,
                 "Growth of the map (%)",
                 QgsProcessingParameterNumber.Type.Double,
-                defaultValue=50.0,
+                defaultValue=100.0,
                 minValue=0.0,
                 maxValue=1000.0,
                 optional=True,
             ),
-            "How much wider and higher the frame may become, to both sides. It grows by 1.4 times "
-            "what the region gains, if that is less. 0 keeps the extent. Not used where the frame is "
-            "switched off.",
+            "How much wider and higher the frame may become, to both sides. It grows by less where less "
+            "is enough: a region that takes the share f of the width lets the map grow to scale times "
+            "f to the power 2/7. 0 keeps the extent. Not used where the frame is switched off.",
             decimals=0,
         )
         add(

@@ -12,7 +12,7 @@ from isthmus.core.focus.enlarge import enlarge
 from isthmus.core.focus.mesh import turned
 
 from ..shapes import box, circle, mosaic, tour
-from .verify import verify, with_splits
+from .verify import faults, verify, with_splits
 
 
 def rings_of(*rings):
@@ -35,7 +35,9 @@ def check(rows, starts, polygons, focus, scale, result, frame=True):
         margin = 1e-9 * np.ptp(rows, axis=0).max()
         assert (result.rows.min(axis=0) >= rows.min(axis=0) - margin).all()
         assert (result.rows.max(axis=0) <= rows.max(axis=0) + margin).all()
-    assert verify(*with_splits(rows, starts, result), [[lines] for lines in polygons]).good
+    lines_of_map = with_splits(rows, starts, result)
+    assert verify(*lines_of_map, [[lines] for lines in polygons]).good
+    assert faults(result, *lines_of_map) == []
     assert not turned(result.points, result.moved, result.triangles).any()
     assert result.distortion.flipped == 0.0
 
