@@ -31,14 +31,14 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ..layers import wkb
 from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem, install_hint
+from ..layers import wkb
+from ..layers.sinks import Sinks, make_fields
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..layers.wkb import REAL, TEXT
-from ..layers.sinks import Sinks, make_fields
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -210,7 +210,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 self.GROWTH,
                 "Growth of the map (%)",
                 QgsProcessingParameterNumber.Type.Double,
-                defaultValue=100.0,
+                defaultValue=200.0,
                 minValue=0.0,
                 maxValue=1000.0,
                 optional=True,

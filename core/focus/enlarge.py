@@ -331,7 +331,8 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     removable = np.arange(len(xy)) < n
     removable[np.concatenate(side)] = False
     removable &= rigid | (group < 0)
-    return _Mesh(xy, triangles, np.arange(len(xy)) < n, group, tuple(side), padded, removable, rigid & removable)
+    of_map = np.arange(len(xy)) < n
+    return _Mesh(xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable)
 
 
 def _on_land(land, points):

@@ -172,7 +172,8 @@ def frame_triangles(xy, segments):
     xy : (n, 2) float
         Distinct points.
     segments : (m, 2) int
-        They meet at their ends only, and have no other points on them.
+        They meet at their ends only, and have no other points on them. If there are any, those around
+        all points are among them.
 
     Returns
     -------
@@ -264,7 +265,8 @@ def others(xy, triangles, edges):
     twin = twin[~np.isin(key[order][twin], edges @ (n, 1))]
     one, other = order[twin], order[twin + 1]
     a, b, c, d = (xy[k] for k in (*side[one].T, side[other, 2]))
-    width = np.maximum.reduce([((q - p) ** 2).sum(axis=1) for p, q in ((a, b), (a, c), (b, c), (a, d), (b, d))])
+    sides = (b - a, c - a, c - b, d - a, d - b)
+    width = np.maximum.reduce([(one * one).sum(axis=1) for one in sides])
     lift = np.stack([np.column_stack((p - d, ((p - d) ** 2).sum(axis=1))) for p in (a, b, c)], axis=1)
     round_ = np.abs(np.linalg.det(lift)) <= ROUND * width**2
     t = len(triangles)
@@ -279,7 +281,7 @@ def others(xy, triangles, edges):
     last = np.cumsum(count)[face] - 1
     place = np.arange(len(vertex))
     after = np.where(place < last, place + 1, place - count[face] + 1)
-    found = np.column_stack((vertex, vertex[after], vertex[after[after]])) if len(vertex) else np.empty((0, 3), int)
+    found = np.column_stack((vertex, vertex[after], vertex[after[after]]))
     return found[heights(xy, found) > FLAT]
 
 

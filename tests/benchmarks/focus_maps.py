@@ -71,7 +71,7 @@ def load():
     spec.loader.exec_module(package)
 
 
-def measure(asked, name, features, focus, scale=2.0, growth=1.0, check=True, **more):
+def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, **more):
     """Make one map, and print its row."""
     from isthmus.core.errors import IsthmusError
     from isthmus.core.focus.enlarge import enlarge
@@ -139,7 +139,7 @@ def great_britain(size):
 def britain(asked):
     for size in "lihf":
         coast, wales = great_britain(size)
-        for growth in (1.0, 0.0):
+        for growth in (2.0, 0.0):
             measure(asked, f"Great Britain {size}, Wales, growth {growth:g}", coast, wales, growth=growth)
 
 
@@ -147,10 +147,10 @@ def rules(asked):
     coast, wales = great_britain("i")
     noted = {}
     for rule in RULES:
-        for growth in (1.0, 0.0):
+        for growth in (2.0, 0.0):
             name = f"Great Britain i, Wales, {rule}, growth {growth:g}"
             made = measure(asked, name, coast, wales, growth=growth, rule=rule)
-            if made and growth == 1.0:
+            if made and growth == 2.0:
                 result = made[1]
                 noted[rule] = {"edges": len(result.edges), "median": round(result.distortion.median, 1),
                                "high": round(result.distortion.high, 1)}
