@@ -57,12 +57,14 @@ the tool adds <i>relevant edges</i>, diagonals between points that are close to 
 way along the outline is long, and keeps these as well. By default it finds the smallest set of
 them by itself, the cuts of the tool <i>Partition polygons at bottlenecks</i>. All features are solved
 together: islands move with their mainland, and points that lines or polygons share stay together.
-The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle. Large
+The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle; land is
+stiffer than sea. Large
 maps are solved on a coarse triangulation of about 3,000 points and the outline of the region, and the
 detail is put back point by point.</p>
 <h3>Room</h3>
 <p>What the region gains, the rest has to give, or the map becomes larger: by <i>Growth of the map</i> at
-most, and by no more than it needs. With no growth at all the extent is kept, and what lies between the
+most, and by no more than it needs so that what is around the region bends as little for a small
+region as for a large one, at any scale. With no growth at all the extent is kept, and what lies between the
 region and the edge gets thin.</p>
 <h3>Which relevant edges</h3>
 <p><i>MinSize</i>, the optimal set, is the best choice: few edges, and the shape is kept. <i>Greedy</i>

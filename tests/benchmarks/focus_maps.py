@@ -41,6 +41,7 @@ def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("groups", nargs="*")
     arguments.add_argument("--draw", type=Path)
+    arguments.add_argument("--sheet", type=Path, help="the best six and the worst three in the folder, in one picture")
     arguments.add_argument("--only", default="", help="cases with this in their name")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
     arguments.add_argument("--note", action="store_true")
@@ -56,8 +57,10 @@ def main():
         "britain": britain, "rules": rules, "world": world, "europe": europe, "cover": cover,
         "islands": islands, "odd": odd, "along": along,
     }
-    for name in asked.groups or groups:
+    for name in asked.groups or ([] if asked.sheet else groups):
         groups[name](asked)
+    if asked.sheet:
+        sheet(asked.draw, asked.sheet)
     print(f"largest memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20:.1f} GB")
 
 
@@ -101,7 +104,12 @@ def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, **m
     )  # fmt: skip
     print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
     if asked.draw:
-        draw(asked.draw / f"{name.replace(' ', '_').replace(',', '')}.png", rows, starts, numbers, result, focus)
+        file = f"{name.replace(' ', '_').replace(',', '')}.png"
+        draw(asked.draw / file, rows, starts, numbers, result, focus)
+        told = asked.draw / "rows.json"
+        known = json.loads(told.read_text()) if told.exists() else {}
+        known[file] = [name, round(d.median, 1), round(d.high, 1)]
+        told.write_text(json.dumps(known, indent=1))
     return rows, result
 
 
@@ -380,6 +388,31 @@ def draw(picture, rows, starts, numbers, result, focus):
                 painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
                 painter.drawPath(path)
         left += int(width)
+    painter.end()
+    image.save(str(picture))
+
+
+def sheet(folder, picture):
+    """Of the maps drawn in a folder those that are distorted least and most, by what 95 % do not exceed."""
+    from qgis.PyQt.QtCore import QRect, Qt
+    from qgis.PyQt.QtGui import QColor, QImage, QPainter
+
+    order = sorted(json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0]))
+    order = [one for one in order if one[1][2] > 0.0]
+    width, height = 300, 220
+    image = QImage(3 * width, 3 * height, QImage.Format.Format_RGB32)
+    image.fill(QColor("#dbe6ec"))
+    painter = QPainter(image)
+    font = painter.font()
+    font.setPixelSize(12)
+    painter.setFont(font)
+    for k, (file, (name, median, high)) in enumerate(order[:6] + order[-3:]):
+        one = QImage(str(folder / file)).scaled(
+            width - 8, height - 26, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
+        x, y = k % 3 * width, k // 3 * height
+        painter.drawImage(x + (width - one.width()) // 2, y + 20, one)
+        painter.setPen(QColor("#8a2b1d" if k > 5 else "#333333"))
+        painter.drawText(QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees")
     painter.end()
     image.save(str(picture))
 
