@@ -16,7 +16,9 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-__all__ = ["Metric", "ellipsoidal", "planar"]
+__all__ = ["FARTHEST", "Metric", "ellipsoidal", "planar"]
+
+FARTHEST = 1e75  # coordinate; the squares and products of larger ones are no numbers
 
 
 class Metric(NamedTuple):
@@ -98,6 +100,6 @@ def _same(xy):
 
 
 def _planar_length(position, u, v):
-    d = position[u]
-    d -= position[v]
+    d = position.take(u, axis=0)
+    d -= position.take(v, axis=0)
     return np.hypot(d[:, 0], d[:, 1])

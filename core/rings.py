@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-__all__ = ["Rings", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon", "previous",
-           "ranges", "running", "shapes", "signed_areas", "take"]
+__all__ = ["Rings", "closed", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon",
+           "previous", "ranges", "running", "shapes", "signed_areas", "take"]
 
 
 class Rings(NamedTuple):
@@ -99,6 +99,21 @@ def previous(offsets: np.ndarray) -> np.ndarray:
     return before
 
 
+def closed(offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the elements of each group with the first one again at its end, and the offsets of these.
+
+    Examples
+    --------
+    >>> closed(np.array([0, 3, 3, 5]))
+    (array([0, 1, 2, 0, 3, 4, 3]), array([0, 4, 4, 7]))
+    """
+    size = np.diff(offsets)
+    count = size + (size > 0)  # an empty ring stays empty
+    along = ranges(np.zeros(len(size), dtype=np.int64), count)
+    along -= np.repeat(np.where(size > 0, size, 1), count) * (along == np.repeat(size, count))
+    return np.repeat(offsets[:-1], count) + along, offsets_of(count)
+
+
 def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
     """Return start[0], start[0] + 1, ... (count[0] numbers), start[1], ...
 
@@ -120,6 +135,9 @@ def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray
     >>> take(np.array([0, 2, 3, 5]), np.array([2, 0]))
     (array([3, 4, 0, 1]), array([0, 2, 4]))
     """
+    if len(which) and (np.diff(which) == 1).all():  # a run, often everything
+        own = offsets[which[0]:which[-1] + 2]
+        return np.arange(own[0], own[-1]), own - own[0]
     size = np.diff(offsets)[which]
     return ranges(offsets[:-1][which], size), offsets_of(size)
 
@@ -212,8 +230,8 @@ def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     """
     if not len(xy):
         return np.zeros(0)
-    first = np.repeat(offsets[:-1], np.diff(offsets))
-    x, y = (xy - xy[first]).T  # near the origin the shoelace formula cancels least
+    # near the origin the shoelace formula cancels least
+    x, y = (axis - np.repeat(axis[offsets[:-1]], np.diff(offsets)) for axis in xy.T)
     after = following(offsets)
     return 0.5 * np.add.reduceat(x * y[after] - x[after] * y, offsets[:-1])
 

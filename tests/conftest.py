@@ -10,15 +10,16 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def _load(name, root):
+def _load(name, root, *more):
     init = root / "__init__.py"
     spec = importlib.util.spec_from_file_location(
-        name, init, submodule_search_locations=[str(root)]
+        name, init, submodule_search_locations=[str(root), *map(str, more)]
     )
     package = importlib.util.module_from_spec(spec)
     sys.modules[name] = package
     if init.exists():
         spec.loader.exec_module(package)
+    return package
 
 
 def pytest_addoption(parser):
@@ -36,6 +37,13 @@ def pytest_configure(config):
 
 if "isthmus" not in sys.modules:
     _load("isthmus", ROOT)
+
+
+@pytest.fixture(scope="session")
+def package():
+    """The Python package as pip installs it, of the files here; by another name, for the plugin has its own."""
+    name = "isthmus_package"
+    return sys.modules.get(name) or _load(name, ROOT / "python", ROOT)
 
 
 @pytest.fixture(scope="session")

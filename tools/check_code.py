@@ -1,17 +1,19 @@
 """Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
 
-Lint and the order of imports by ruff, types in core by mypy, and here that what is public in core/rings.py
-and core/partition/ says the types of all it takes and returns. Prints what it checked; exits with 1 if
+Lint and the order of imports by ruff, types in core and in the Python package by mypy, and here that what is
+public in core/*.py, core/partition/ and python/ says the types of all it takes and returns. Prints what it checked; exits with 1 if
 there is a fault.
 """
 
 import argparse
 import ast
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-TYPED = ("core/*.py", "core/partition/*.py")
+TYPED = ("core/*.py", "core/partition/*.py", "python/*.py")
 
 
 def untyped(source):
@@ -63,6 +65,15 @@ def output(programs, folder, name, *arguments):
     return done.stdout.splitlines() if done.returncode else []
 
 
+def package_faults(programs, folder):
+    """Return what mypy finds in the Python package, put together as pip does it."""
+    with tempfile.TemporaryDirectory() as scratch:
+        for name, place in (("python", "isthmus"), ("core", "isthmus/core")):
+            shutil.copytree(folder / name, Path(scratch) / place)
+        options = ("--no-error-summary", "--config-file", folder / "pyproject.toml", "-p", "isthmus")
+        return output(programs, Path(scratch), "mypy", *options)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
@@ -75,6 +86,8 @@ def main():
         "mypy": output(programs, folder, "mypy", "--no-error-summary"),
         "types of what is public": annotation_faults(folder),
     }
+    if (folder / "python").is_dir():
+        checks["mypy of the Python package"] = package_faults(programs, folder)
     for check, lines in checks.items():
         print(f"{check}: {'ok' if not lines else f'{len(lines)} lines'}")
         for line in lines:

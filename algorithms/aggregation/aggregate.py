@@ -1,11 +1,11 @@
 """The tool ``isthmus:aggregate``."""
 
 import contextlib
-import re
 from pathlib import Path
 
 from qgis.core import (
     NULL,
+    QgsFeatureRequest,
     QgsFields,
     QgsProcessing,
     QgsProcessingException,
@@ -21,6 +21,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core.aggregation.presets import PRESETS
 from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import install_hint
 from ..layers import wkb
@@ -30,12 +31,9 @@ from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from . import areas as layer
 from . import report
-from .presets import PRESETS
-from .tables import distances, thresholds
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
-LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
 METHODS = ("greedy", "annealing", "exact")
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -372,20 +370,6 @@ def highs_problem():
     return ""
 
 
-def _pieces(names):
-    """The fields area_id and size of Prepare areas for aggregation, whatever their numbers; or -1.
-
-    The areas may have had fields of these names themselves: then those of the tool have a number
-    (area_id_2), and come last, one after the other.
-    """
-    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
-    for k in range(len(names) - 4, -1, -1):
-        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
-            return k, k + 2
-    lower = [name.lower() for name in names]
-    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)
-
-
 def _region_fields(class_field):
     """Fields of the regions; where the class has one of their names, theirs gets a number."""
     own = QgsFields()
@@ -398,17 +382,46 @@ def _region_fields(class_field):
     return own
 
 
+@contextlib.contextmanager
+def _told():
+    """Make what the core says an error of the tool."""
+    from ...core.errors import IsthmusError
+
+    try:
+        yield
+    except IsthmusError as problem:
+        raise QgsProcessingException(str(problem)) from None
+
+
+def _rows(source, parameter, wanted):
+    """Values of some fields of a table, whatever their case; complains of a field it lacks."""
+    if source is None:
+        return
+    names = [field.name().lower() for field in source.fields()]
+    lacking = [name for name in wanted if name not in names]
+    if lacking:
+        raise QgsProcessingException(
+            f"The table {parameter} has no field {', '.join(lacking)}. It has: {', '.join(names)}."
+        )
+    index = [names.index(name) for name in wanted]
+    for feature in source.getFeatures(QgsFeatureRequest()):
+        values = feature.attributes()
+        yield tuple(None if values[k] == NULL else values[k] for k in index)
+
+
 class _Run:
     """One run of the tool."""
 
     def __init__(self, tool, parameters, context, feedback, source):
+        from ...core.aggregation.areas import piece_fields
+
         self.tool, self.parameters, self.context = tool, parameters, context
         self.feedback, self.source = feedback, source
         self.class_index = self.field(tool.CLASS)
         self.class_field = source.fields()[self.class_index]
         self.id_index = self.field(tool.AREA_ID, needed=False)
         self.size_index = -1
-        found, size = _pieces(source.fields().names())
+        found, size = piece_fields(source.fields().names())
         if self.id_index < 0 and found >= 0:
             self.id_index = found
             feedback.pushInfo(
@@ -445,9 +458,7 @@ class _Run:
 
     def read(self):
         """Read the layer and the tables into a problem."""
-        import numpy as np
-
-        from ...core.aggregation.instance import build
+        from ...core.aggregation.areas import invalid, posed, reasons_of
 
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
@@ -455,44 +466,55 @@ class _Run:
         feedback.setProgressText("Reading the areas")
         areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
-        pairs, length = layer.neighbours(areas)
         texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
-        shaped = np.zeros(len(texts), dtype=bool)
-        shaped[areas.owner] = True
-        self.reason = {}
-        huge = set(areas.owner[~areas.measured].tolist())
-        for k, one in enumerate(areas.features):
-            if not shaped[k]:
-                self.reason[k] = "it has no geometry" if not one.hasGeometry() else "it is empty"
-            elif k in huge:
-                self.reason[k] = (
-                    f"it has coordinates that are not finite, or larger than {layer.FARTHEST:g}"
-                )
-            elif texts[k] is None:
-                self.reason[k] = "it has no class"
-        self._tell_invalid(set(layer.invalid(areas).tolist()) - set(self.reason))
+        self.reason = reasons_of(areas, texts, [
+            "it is empty" if one.hasGeometry() else "it has no geometry" for one in areas.features
+        ])  # fmt: skip
+        self._tell_invalid(set(invalid(areas).tolist()) - set(self.reason))
         for k, reason in self.reason.items():
             feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
-        classes = sorted({one for one in texts if one is not None})
-        if not classes:
+        self.classes = sorted({one for one in texts if one is not None})
+        if not self.classes:
             feedback.pushWarning("No area has a class: there is nothing to aggregate.")
-        tables = (tool, self.parameters, self.context, feedback)
-        theta = thresholds(*tables, classes)
-        distance = distances(*tables, classes)
-        # the last class stands for none: nobody may get it, and who has it keeps it
-        number = {one: k for k, one in enumerate(classes)}
-        none = len(classes)
-        cls = np.array([number.get(one, none) for one in texts], dtype=np.int64)
-        left = np.array([k in self.reason for k in range(len(texts))], dtype=bool)
-        alone = left[pairs].any(axis=1)
-        padded = np.zeros((none + 1, none + 1))
-        padded[:none, :none] = distance
-        self.classes = classes
-        self.problem = build(
-            areas.size, cls, areas.place, pairs[~alone], length[~alone], padded,
-            np.append(theta, np.inf), *self.weights(), self.choice(tool.BOUNDARY) == "classes", areas.spread,
+        with _told():
+            self.problem = posed(
+                areas, texts, self.classes, list(self.reason), self._thresholds(), self._distances(),
+                self.weights(), self.choice(tool.BOUNDARY) == "classes",
+            )
+
+    def _thresholds(self):
+        """The smallest size of a region of each class."""
+        from ...core.aggregation.tables import thresholds
+
+        tool, parameters, context = self.tool, self.parameters, self.context
+        source = tool.parameterAsSource(parameters, tool.THRESHOLDS, context)
+        text = tool.parameterAsString(parameters, tool.EXCLUDED, context) or ""
+        theta, absent = thresholds(
+            self.classes, self.number(tool.THRESHOLD), _rows(source, "THRESHOLDS", ("class", "threshold")),
+            filter(None, (part.strip() for part in text.split(","))),
         )
-        self._refuse_endless_costs()
+        for one in absent:
+            self.feedback.pushInfo(f"The excluded class {one} is not on the map.")
+        return theta
+
+    def _distances(self):
+        """The distance of each class to each other."""
+        from ...core.aggregation.tables import distances
+
+        tool, parameters, context = self.tool, self.parameters, self.context
+        kind, table = self.choice(tool.DISTANCE), ()
+        if kind == "table":
+            source = tool.parameterAsSource(parameters, tool.DISTANCES, context)
+            if source is None:
+                raise QgsProcessingException(tool.invalidSourceError(parameters, tool.DISTANCES))
+            table = _rows(source, "DISTANCES", ("from", "to", "distance"))
+        matrix, one_way = distances(self.classes, kind, table)
+        if one_way:
+            self.feedback.pushInfo(
+                f"{one_way} class distances are listed in one direction only; the other way they are "
+                "taken as equal."
+            )
+        return matrix
 
     def _tell_invalid(self, numbers, most=10):
         """Warn of areas that are not valid."""
@@ -504,31 +526,9 @@ class _Run:
                 "be wrong. Run Fix geometries on the layer first."
             )
 
-    def _refuse_endless_costs(self):
-        """Complain of weights, distances or coordinates with which costs are no numbers any more."""
-        import numpy as np
-
-        problem = self.problem
-        size, place = problem.size.sum(), problem.place
-        with np.errstate(over="ignore"):
-            extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
-            most = {
-                "class change": size * problem.change * problem.distance.max(initial=0.0),
-                "boundary length": problem.boundary * problem.length.sum(),
-                "centre distance": size * problem.centre * extent,
-            }
-        for name, cost in most.items():
-            if not cost < LARGEST_COST:
-                raise QgsProcessingException(
-                    f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
-                    "smaller weight (or class distances), and see that no area is far away by mistake."
-                )
-
     def solve(self):
         """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
-        from ...core.aggregation.annealing import annealing
-        from ...core.aggregation.exact import exact
-        from ...core.aggregation.greedy import greedy, reach_count
+        from ...core.aggregation.methods import by_method
         from ...core.errors import Cancelled
 
         tool, feedback, problem = self.tool, self.feedback, self.problem
@@ -545,40 +545,25 @@ class _Run:
                 feedback.setProgress(100.0 * share)
 
         feedback.setProgressText(f"Aggregating {len(problem.size)} areas ({method})")
-        bound = None
+        decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
         try:
-            if method == "greedy":
-                found = greedy(problem, check)
-                if count:
-                    found = reach_count(problem, found, count, check)
-            elif method == "annealing":
-                found = annealing(
-                    problem,
-                    seed=int(self.number(tool.SEED)),
-                    iterations=int(self.number(tool.ITERATIONS)) or None,
-                    seconds=seconds or None,
-                    count=count,
-                    check=check,
-                )
-            else:
-                decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
-                begin = annealing(
-                    problem, int(self.number(tool.SEED)), 3000 * len(problem.size), check=check
-                )
-                result = exact(problem, seconds or 60.0, decompose, begin, check)
-                found, bound = result.found, result.bound
-                self._tell_gap(result, decompose)
-                if count:
-                    feedback.pushWarning("The number of regions is not used by the exact method.")
-                    count = None
+            found, result = by_method(
+                problem, method, seed=int(self.number(tool.SEED)),
+                iterations=int(self.number(tool.ITERATIONS)), seconds=seconds, count=count,
+                decompose=decompose, check=check,
+            )
         except Cancelled:
             return None, None
-        if count and len(found.core) != count:
+        if result:
+            self._tell_gap(result, decompose)
+            if count:
+                feedback.pushWarning("The number of regions is not used by the exact method.")
+        elif count and len(found.core) != count:
             feedback.pushWarning(
                 f"{count - shapeless} regions were wanted, and {len(found.core) - shapeless} is as "
                 "near as thresholds and neighbours allowed by merging and splitting single regions."
             )
-        return found, bound
+        return found, result and result.bound
 
     def _tell_gap(self, result, decompose):
         from ...core.aggregation.instance import costs
@@ -601,7 +586,7 @@ class _Run:
         import numpy as np
 
         from ...core.aggregation.coverage import joined
-        from .outcome import outcome
+        from ...core.aggregation.outcome import outcome
 
         tool, areas = self.tool, self.areas
         shaped = np.zeros(len(areas.features), dtype=bool)
@@ -648,7 +633,7 @@ class _Run:
 
     def report(self, found, results):
         """Tell which areas lost their class, and write the report if one is wanted."""
-        from .outcome import balance
+        from ...core.aggregation.outcome import balance
 
         tool = self.tool
         made = balance(self.problem, found, self.sources, self.classes)

@@ -22,7 +22,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
-from ..partition.solving import Settings, measure_of, pieces, prepare, read, reasons_of, weigh_by_length
+from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
@@ -155,8 +155,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
+        from ...core.aggregation.areas import arrange, joined_rings, neighbours
         from ...core.aggregation.coverage import faults
         from ...core.errors import Cancelled
+        from ...core.partition.features import pieces, weigh_by_length
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
@@ -221,8 +223,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
-        rings = _joined([own for _, _, own in cut])
-        found = layer.arrange(range(len(area)), rings, np.arange(len(area)), crs)  # piece by piece
+        rings = joined_rings([own for _, _, own in cut])
+        found = arrange(  # piece by piece
+            range(len(area)), rings, np.arange(len(area)), settings.measure, layer.metres_of(crs)
+        )
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
             [wkb.dimensions(reader.wkb_type)] * len(area), multi,
@@ -250,7 +254,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
             )
 
         if with_table:
-            pairs, length = layer.neighbours(found)
+            pairs, length = neighbours(found)
             virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
             for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
                 sinks.add(self.ADJACENCY, None, [a + 1, b + 1, shared, cut])
@@ -266,23 +270,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-
-
-def _joined(chunks):
-    """Rings of several chunks as one."""
-    import numpy as np
-
-    from ...core.rings import Rings, offsets_of
-
-    if not chunks:
-        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
-    # Z and M were made alike before; a chunk without any polygon has none
-    width = max(own.coords.shape[1] for own in chunks)
-    return Rings(
-        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
-        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
-        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
-    )
 
 
 def _class_index(tool, parameters, context, source):

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsFeatureSink,
     QgsFields,
     QgsGeometry,
-    QgsPoint,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -31,9 +30,8 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ..aggregation.areas import FARTHEST
 from ..base import IsthmusAlgorithm
-from ..dependencies import dependency_problem, install_hint
+from ..dependencies import dependency_problem
 from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
 from ..layers.source import WITHOUT_VALIDITY_CHECK
@@ -131,7 +129,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return "Enlarges a region of a map and keeps the shape of the rest."
 
     def canExecute(self):
-        problem = dependency_problem() or scipy_problem() or engine_problem()
+        problem = dependency_problem() or scipy_problem()
         return not problem, problem
 
     def initAlgorithm(self, configuration=None):
@@ -289,6 +287,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
+        from ...core.focus.globe import on_the_globe
+        from ...core.metric import FARTHEST
 
         begun = time.monotonic()
         crs = source.sourceCrs()
@@ -322,7 +322,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         frame = self.parameterAsBoolean(parameters, self.FRAME, context)
         growth, aspect = self.parameterAsDouble(parameters, self.GROWTH, context) / 100.0, 1.0
         if crs.isGeographic():
-            growth, aspect = _on_the_globe(rows, growth)
+            growth, aspect = on_the_globe(rows, growth)
             feedback.pushInfo(
                 f"The map is in degrees ({crs.authid()}). It is solved in the equidistant cylindrical "
                 f"projection with true lengths at latitude {math.degrees(math.acos(aspect)):.1f}, and "
@@ -389,6 +389,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         import numpy as np
         import shapely
 
+        from ...core.metric import FARTHEST
+
         found = []
         for geometry in _geometries(source, crs, context):
             data = bytes(_straight(geometry).asWkb())
@@ -438,12 +440,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         row, vertex, share = result.splits.T
         for feature, one in zip(held, runs):
             count = sum(one.counts)
-            geometry = one.moved(result.rows[start:start + count]) if count else feature.geometry()
             lo, hi = row.searchsorted((start, start + count))
-            if hi > lo:
-                geometry = _with_points(
-                    geometry, row[lo:hi] - start, result.moved[vertex[lo:hi].astype(int)], share[lo:hi]
-                )
+            splits = zip(
+                (row[lo:hi].astype(int) - start).tolist(),
+                result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
+            )
+            geometry = feature.geometry()
+            if count:
+                geometry = one.moved(result.rows[start:start + count], list(splits))
             start += count
             sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
@@ -457,10 +461,10 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
             for xy in (result.points, result.moved)
         )
-        for ends, kind, length, longer in zip(
-            result.edges, result.kind.tolist(), before.tolist(), (after / before).tolist()
+        lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
+        for line, kind, length, longer in zip(
+            lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
         ):
-            line = wkb.line_geometry(result.moved, ends, 0)
             sinks.add(self.EDGES_USED, line, [kind, length, longer])
 
     def _carry(self, parameters, context, crs, result, feedback):
@@ -549,33 +553,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return address
 
 
-def _on_the_globe(rows, growth):
-    """The growth for which a map in degrees stays on the globe, and its aspect."""
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    size = (high - low).tolist()
-    for axis, end in enumerate((180.0, 90.0)):
-        room = min(end + low[axis], end - high[axis])
-        growth = max(min(growth, 2.0 * room / size[axis] if size[axis] > 0.0 else growth), 0.0)
-    middle = min(abs(low[1] + high[1]) / 2.0, 85.0)
-    return growth, math.cos(math.radians(middle))
-
-
-def _with_points(geometry, rows, points, shares):
-    """A geometry with points put in after some of its own, from the first to the last."""
-    abstract = geometry.get()
-    for row, (x, y), share in reversed(list(zip(rows.astype(int).tolist(), points.tolist(), shares))):
-        _, here = geometry.vertexIdFromVertexNr(row)
-        _, there = geometry.vertexIdFromVertexNr(row + 1)
-        a, b = abstract.vertexAt(here), abstract.vertexAt(there)
-        point = QgsPoint(x, y)
-        if a.is3D():
-            point.addZValue(a.z() + share * (b.z() - a.z()))
-        if a.isMeasure():
-            point.addMValue(a.m() + share * (b.m() - a.m()))
-        abstract.insertVertex(there, point)
-    return geometry
-
-
 def _discard(path):
     """Remove what is half written: it would look complete."""
     for end in ("", "-journal", "-wal", "-shm"):
@@ -598,20 +575,6 @@ def scipy_problem():
             "Ubuntu: apt install python3-scipy)"
         )
     return ""
-
-
-def engine_problem():
-    """Return what to do if no engine can triangulate a whole frame, or ''."""
-    from importlib.util import find_spec
-
-    if find_spec("pythoncdt") or find_spec("triangle"):
-        return ""
-    import numpy
-
-    return (
-        "This tool needs the Python package pythoncdt or triangle. "
-        f"{install_hint(numpy.__version__, ['pythoncdt'])}"
-    )
 
 
 def _geometries(source, crs, context):

@@ -109,6 +109,9 @@ def _place_written(value):
     return os.path.realpath(value), None
 
 
+_FAST = QgsFeatureSink.Flag.FastInsert  # looked up a million times
+
+
 class Sinks:
     """The sinks of one run, for a ``with`` block around all that is written.
 
@@ -162,7 +165,7 @@ class Sinks:
         if geometry is not None:
             feature.setGeometry(geometry)
         feature.setAttributes(values)
-        if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+        if not sink.addFeature(feature, _FAST):
             raise QgsProcessingException(
                 f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
                 f"value too long or unknown to the format?): {sink.lastError()}"

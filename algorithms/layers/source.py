@@ -4,9 +4,6 @@ from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
 
 from .wkb import common_type
 
-# Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
-CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
-
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
 
@@ -54,6 +51,8 @@ class Reader:
 
         What is yielded counts as done when the next is asked for.
         """
+        from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
+
         features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
         chunk, self.size = [], 0
         for feature, size in zip(features, self.sizes):

@@ -39,6 +39,7 @@ def read_polygons(geometries):
     import numpy as np
 
     from ...core.rings import Rings, offsets_of, take
+    from ...core.wkb import width
 
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
@@ -50,7 +51,7 @@ def read_polygons(geometries):
         if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) != QgsWkbTypes.Type.Polygon:
             continue
         data = bytes(abstract.asWkb())
-        size = _width(extra[-1])
+        size = width(extra[-1])
         (count,), place = _COUNT.unpack_from(data, 5), 9
         for _ in range(count if QgsWkbTypes.isMultiType(kind) else 1):
             if QgsWkbTypes.isMultiType(kind):
@@ -63,15 +64,15 @@ def read_polygons(geometries):
                 (points,) = _COUNT.unpack_from(data, place)
                 runs.append((data, points, size, place + 4))
                 place += 4 + 8 * points * size
-    width = max((size for _, _, size, _ in runs), default=2)
+    most = max((size for _, _, size, _ in runs), default=2)
     frombuffer = np.frombuffer
     pieces = [frombuffer(data, "<f8", points * size, place) for data, points, size, place in runs]
     points = np.array([points for _, points, _, _ in runs], dtype=np.int64)
-    if all(size == width for _, _, size, _ in runs):
+    if all(size == most for _, _, size, _ in runs):
         coords = np.concatenate(pieces) if pieces else np.empty(0)
-        coords = coords.reshape(-1, width)
+        coords = coords.reshape(-1, most)
     else:
-        coords = np.zeros((points.sum(), width))
+        coords = np.zeros((points.sum(), most))
         for piece, (_, count, size, _), at in zip(pieces, runs, offsets_of(points).tolist()):
             coords[at:at + count, :size] = piece.reshape(-1, size)
 
@@ -94,17 +95,6 @@ def read_polygons(geometries):
 
 
 _COUNT = struct.Struct("<I")
-
-
-def polygons(geometry):
-    """Return the polygons of one geometry as (coords, offsets) arrays; see `read_polygons`."""
-    rings, _, _ = read_polygons([geometry])
-    bounds = rings.polygon_offsets.tolist()
-    result = []
-    for lo, hi in zip(bounds[:-1], bounds[1:]):
-        offsets = rings.offsets[lo:hi + 1]
-        result.append((rings.coords[offsets[0]:offsets[-1]], offsets - offsets[0]))
-    return result
 
 
 def dimensions(wkb_type):
@@ -130,30 +120,6 @@ def line_type(wkb_type):
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
 
 
-def polygon_geometry(coords, rings, extra, multi):
-    """Return a polygon of rings of rows.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rings : list of (m,) int
-        Rows of each ring, the shell first, none repeated at the end.
-    extra : int
-        The `dimensions` of the coordinates.
-    multi : bool
-        Whether to wrap the polygon as a multipolygon.
-    """
-    import numpy as np
-
-    chunks = [_header(3 + extra, len(rings))]
-    for ring in rings:
-        closed = np.append(ring, ring[:1])  # an empty ring stays empty
-        chunks += [struct.pack("<I", len(closed)), coords[closed].tobytes()]
-    if multi:
-        chunks.insert(0, _header(6 + extra, 1))
-    return _geometry(chunks)
-
-
 def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     """Yield polygons of rings of rows.
 
@@ -169,30 +135,10 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     multi : bool
         Whether to wrap the polygons as multipolygons.
     """
-    import numpy as np
+    from ...core.wkb import polygons
 
-    from ...core.rings import offsets_of, ranges
-
-    size = np.diff(offsets)
-    closed = size + (size > 0)  # an empty ring stays empty
-    along = ranges(np.zeros(len(size), dtype=np.int64), closed)
-    along -= np.repeat(np.where(size > 0, size, 1), closed) * (along == np.repeat(size, closed))
-    data = coords[rows[np.repeat(offsets[:-1], closed) + along]]
-    width = coords.shape[1]
-    place = (8 * width * offsets_of(closed)).tolist()
-    counts = [_COUNT.pack(count) for count in closed.tolist()]
-    raw = data.tobytes()
-    bounds = ring_offsets.tolist()
-    for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
-        chunks = [_header(6 + more, 1)] if multi else []
-        chunks.append(_header(3 + more, hi - lo))
-        own = _width(more)
-        for ring in range(lo, hi):
-            part = raw[place[ring]:place[ring + 1]]
-            if own != width:
-                part = np.frombuffer(part).reshape(-1, width)[:, :own].tobytes()
-            chunks += (counts[ring], part)
-        yield _geometry(chunks)
+    for data in polygons(coords, rows, offsets, ring_offsets, extra, multi):
+        yield _geometry(data)
 
 
 def line_geometries(coords, rows, extra):
@@ -205,110 +151,41 @@ def line_geometries(coords, rows, extra):
     extra : (l,) int
         The `dimensions` of each line.
     """
-    import numpy as np
+    from ...core.wkb import lines
 
-    width = coords.shape[1]
-    raw, step = coords[rows].tobytes(), 16 * coords.shape[1]
-    for k, more in enumerate(extra):
-        part, own = raw[k * step:(k + 1) * step], _width(more)
-        if own != width:
-            part = np.frombuffer(part).reshape(2, width)[:, :own].tobytes()
-        yield _geometry([_header(2 + more, 2), part])
-
-
-def _width(extra):
-    """Ordinates of a vertex, by the `dimensions` of its geometry."""
-    return 2 + (extra in (1000, 3000)) + (extra in (2000, 3000))
-
-
-def line_geometry(coords, rows, extra):
-    """Return the straight line between rows; ``extra`` as in `polygon_geometry`."""
-    return _geometry([_header(2 + extra, len(rows)), coords[rows].tobytes()])
+    for data in lines(coords, rows, extra):
+        yield _geometry(data)
 
 
 class Runs:
-    """The coordinates of a geometry of any type, to be moved in place: Z, M and the rest stay.
+    """The coordinates of a geometry of any type, to be moved; see ``core.wkb.Runs``.
 
     Parameters
     ----------
     geometry : QgsGeometry
         Curves become segments.
-
-    Attributes
-    ----------
-    counts : list of int
-        The number of points of each run: a line, a ring with its closing point, or a point.
-    polygons : list of list of int
-        The runs that are rings of each polygon, its shell first.
     """
 
     def __init__(self, geometry):
-        self.counts, self.polygons = [], []
-        self._places, self._data = [], bytearray()
-        if geometry.isNull() or geometry.isEmpty():
-            return
-        abstract = geometry.constGet()
-        if QgsWkbTypes.isCurvedType(abstract.wkbType()):
-            abstract = abstract.segmentize()
-        self._data = bytearray(bytes(abstract.asWkb()))
-        self._read(0)
+        from ...core.wkb import Runs
+
+        data = b""
+        if not (geometry.isNull() or geometry.isEmpty()):
+            abstract = geometry.constGet()
+            if QgsWkbTypes.isCurvedType(abstract.wkbType()):
+                abstract = abstract.segmentize()
+            data = bytes(abstract.asWkb())
+        self._runs = Runs(data)
+        self.counts, self.polygons = self._runs.counts, self._runs.polygons
 
     @property
     def xy(self):
         """(k, 2) float: the points of all runs."""
-        import numpy as np
+        return self._runs.xy
 
-        views = [self._view(k)[:, :2] for k in range(len(self.counts))]
-        return np.concatenate(views) if views else np.empty((0, 2))
-
-    def moved(self, xy):
-        """The geometry with its points elsewhere."""
-        start = 0
-        for k, count in enumerate(self.counts):
-            self._view(k)[:, :2] = xy[start:start + count]
-            start += count
-        return _geometry([bytes(self._data)])
-
-    def _view(self, k):
-        import numpy as np
-
-        place, size = self._places[k]
-        count = self.counts[k]
-        return np.frombuffer(self._data, "<f8", count * size, place).reshape(count, size)
-
-    def _read(self, place):
-        """Find the runs of the WKB geometry that starts here; return where it ends."""
-        (code,) = struct.unpack_from("<I", self._data, place + 1)
-        kind = code % 1000
-        if code >= 2**29:  # the old way to tell of Z
-            kind = code & 0xFF
-        size = 2 + (code // 1000 % 4 in (1, 3)) + (code // 1000 % 4 in (2, 3))
-        if code >= 2**29:
-            size = 2 + bool(code & 2**31) + bool(code & 2**30)
-        place += 5
-        if kind == 1:
-            return self._run(place, 1, size)
-        (count,) = struct.unpack_from("<I", self._data, place)
-        place += 4
-        if kind == 2:
-            return self._run(place, count, size)
-        if kind in (3, 17):  # a triangle is a polygon
-            rings = []
-            for _ in range(count):
-                (points,) = struct.unpack_from("<I", self._data, place)
-                rings.append(len(self.counts))
-                place = self._run(place + 4, points, size)
-            if rings:
-                self.polygons.append(rings)
-            return place
-        for _ in range(count):
-            place = self._read(place)
-        return place
-
-    def _run(self, place, count, size):
-        self.counts.append(count)
-        self._places.append((place, size))
-        return place + 8 * count * size
+    def moved(self, xy, splits=()):
+        """The geometry with its points elsewhere, and points put in after some."""
+        return _geometry(self._runs.moved(xy, splits))
 
 
 def straight_lines(geometry):
@@ -329,11 +206,7 @@ def straight_lines(geometry):
     return lines
 
 
-def _header(kind, count):
-    return struct.pack("<BII", 1, kind, count)
-
-
-def _geometry(chunks):
+def _geometry(data):
     geometry = QgsGeometry()
-    geometry.fromWkb(b"".join(chunks))
+    geometry.fromWkb(data)
     return geometry

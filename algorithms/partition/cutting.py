@@ -31,15 +31,12 @@ from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .candidate_lines import CandidateLines
 from .solving import (
     Settings,
-    by_feature,
     expression_problem,
     measure_of,
-    pieces,
     prepare,
     read,
     reasons_of,
     weigh_by_expression,
-    weigh_by_length,
 )
 
 BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
@@ -231,6 +228,8 @@ class PartitionTool(IsthmusAlgorithm):
 
     def settings(self, parameters, context, source, feedback, all_dilations=False):
         """Return how to solve."""
+        from ...core.partition.features import weigh_by_length
+
         crs = source.sourceCrs()
         lines_source = self.parameterAsSource(parameters, self.CANDIDATES, context)
         lines = lines_source and CandidateLines(lines_source, crs, context)
@@ -413,11 +412,12 @@ class _Writer:
         """Write the solution of a chunk, and tell what of it could not be solved."""
         import numpy as np
 
+        from ...core.partition.features import costs, pieces
+
         chunk, tool = problem.chunk, self.tool
         found = pieces(problem, solution.parts)
-        cost, bound = (by_feature(problem, x) for x in (solution.cost, solution.lower_bound))
-        gap = np.divide(100.0 * (cost - bound), cost, out=np.zeros(len(cost)), where=cost > 0.0)
-        solved = problem.verdict[problem.prepared.polygons.number] == ""
+        cost, bound, gap = costs(problem, solution)
+        solved = problem.solved
         some = np.bincount(problem.owner[solved], minlength=len(chunk.features)) > 0
         self.numbers[tool.COST] += float(cost.sum())
         self.numbers[tool.LOWER_BOUND] += float(bound.sum())
@@ -440,7 +440,7 @@ class _Writer:
         self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
         lines = [
             rows for rows, wanted in (
-                (self._cuts(problem, solution, found, selected), self.with_cuts),
+                (self._cuts(problem, solution, found), self.with_cuts),
                 (self._diagonals(problem, solution, own), self.with_diagonals),
             ) if wanted
         ]
@@ -479,20 +479,14 @@ class _Writer:
                     geometry, line = next(rows)
                     self.sinks.add(name, geometry, [feature.id(), *line], origin)
 
-    def _cuts(self, problem, solution, found, selected):
+    def _cuts(self, problem, solution, found):
         """Name of the layer; the feature of each cut, the last one first; geometries and values."""
-        import numpy as np
+        from ...core.partition.features import cuts
 
-        chosen = np.flatnonzero(solution.role == 0)
-        sides = np.sort(found.number[solution.parts.sides], axis=1)[selected[chosen]]
-        chosen = chosen[selected[chosen]]
-        share = 100.0 * solution.share[chosen] * problem.shell_share[solution.owner[chosen]]
+        chosen, fields = cuts(problem, solution, found)
         values = (
-            [length, _or_null(detour), *parts, _or_null(part)]
-            for length, detour, parts, part in zip(
-                solution.length[chosen].tolist(), solution.detour[chosen].tolist(), sides.tolist(),
-                share.tolist(),
-            )
+            [length, _or_null(detour), *parts, _or_null(share)]
+            for length, detour, *parts, share in zip(*(x.tolist() for x in fields.values()))
         )
         return self._lines(self.tool.CUTS, problem, solution, chosen, values)
 

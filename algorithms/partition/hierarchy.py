@@ -1,7 +1,6 @@
 """The tool ``isthmus:hierarchy``."""
 
 import math
-from typing import NamedTuple
 
 from qgis.core import (
     NULL,
@@ -22,10 +21,8 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .cutting import PartitionTool, report_rules
-from .solving import pieces, prepare, read, reasons_of
+from .solving import prepare, read, reasons_of
 
-# "Without end": every format stores it, a shapefile's 24 characters too
-NO_END = 1e9
 LEVEL_FIELDS = (
     ("part", INTEGER), ("parent", INTEGER), ("level", INTEGER), ("from_tau", REAL), ("to_tau", REAL),
     ("source", LONG), ("status", TEXT),
@@ -156,6 +153,10 @@ class HierarchyAlgorithm(PartitionTool):
         return problem or self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):
+        import numpy as np
+
+        from ...core.partition.nesting import nest
+
         source = self.source(parameters, context)
         reader = Reader(source, feedback)
         tau_of = self.dynamic(parameters, self.TAU, context, source)
@@ -170,7 +171,11 @@ class HierarchyAlgorithm(PartitionTool):
                 for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.4))
-                        nested = _nest(problem, tau_of, parts_of, stretch(check, 0.4, 0.8))
+                        tau, parts = (
+                            of and np.array([of(feature) for feature in chunk.features], dtype=float)
+                            for of in (tau_of, parts_of)
+                        )
+                        nested = nest(problem, tau, parts, stretch(check, 0.4, 0.8))
                         writer.write(problem, nested, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
                 pass
@@ -180,117 +185,6 @@ class HierarchyAlgorithm(PartitionTool):
         style = "hierarchy_parts.qml" if parts_of is None else "parts.qml"
         style_on_load(context, destinations.get(self.OUTPUT), style, 3)
         return {**destinations, **writer.numbers}
-
-
-class _Nested(NamedTuple):
-    """The levels of a chunk.
-
-    Attributes
-    ----------
-    selection, parts : core.partition.solve.Selection, core.partition.parts.Parts
-        The finest partition of the prepared polygons.
-    pieces : Pieces
-        The same, and what could not be solved.
-    persistence, rank : (s,) float, (s,) int
-        Of each selected edge; rank in its feature.
-    cuts : (s,) bool
-        Those to write.
-    levels : core.partition.hierarchy.Levels
-        Of the finest parts.
-    tau : (f,) float
-        Where the levels of each feature begin.
-    ranges : dict
-        From and to which tau there is the only level of a feature that is wanted, by feature.
-    missed : int
-        Features that have no level with so many parts.
-    """
-
-    selection: object
-    parts: object
-    pieces: object
-    persistence: object
-    rank: object
-    cuts: object
-    levels: object
-    tau: object
-    ranges: dict
-    missed: int
-
-
-def _nest(problem, tau_of, parts_of, check):
-    """Solve a chunk and order its cuts."""
-    import numpy as np
-
-    from ...core.partition.hierarchy import hierarchy, levels
-    from ...core.partition.parts import build_parts
-    from ...core.partition.solve import select
-
-    prepared, features = problem.prepared, problem.chunk.features
-    tau = np.array([tau_of(feature) for feature in features])
-    bad = ~((tau >= 1.0) & (tau < NO_END))
-    for f in np.flatnonzero(bad).tolist():
-        problem.refuse(f, f"tau must be a number from 1 to below {NO_END:g}, and is {tau[f]:g}")
-    tau[bad] = 1.0
-    wanted = np.full(len(features), np.nan)
-    if parts_of is not None:
-        wanted = np.array([parts_of(feature) for feature in features])
-        bad = (wanted < 1.0) | (wanted != np.floor(wanted)) & ~np.isnan(wanted) | np.isinf(wanted)
-        for f in np.flatnonzero(bad).tolist():
-            problem.refuse(f, f"PARTS must be a whole number of at least 1, and is {wanted[f]:g}")
-            wanted[f] = np.nan
-
-    selection = select(
-        prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False
-    )
-    found = hierarchy(prepared, selection, stretch(check, 0.2, 1.0))
-    selected, tree = selection.selected, selection.carved.tree
-    parts = build_parts(
-        prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area
-    )
-
-    owner = prepared.owner[selected]
-    feature = problem.owner[owner]
-    # the finest level has all cuts, though in another T one may turn out not to be needed
-    persistence = np.clip(found.persistence, np.nextafter(tau[feature], np.inf), NO_END)
-    by_rank = np.lexsort((found.rank, owner, -persistence, feature))
-    cuts = problem.verdict[prepared.polygons.number[owner]] == ""
-    by_rank = by_rank[cuts[by_rank]]
-    rank = np.zeros(len(selected), dtype=np.int64)
-    first = np.searchsorted(feature[by_rank], np.arange(len(features) + 1))
-    rank[by_rank] = np.arange(len(by_rank)) - first[feature[by_rank]] + 1
-
-    # a cut that goes at once parts nothing; one that never goes parts all levels
-    goes = np.where(cuts, np.where(persistence < NO_END, persistence, np.inf), 0.0)
-    ranges, missed = {}, 0
-    in_tree = np.isin(selected, tree)
-    polygons = np.bincount(problem.chunk.owner, minlength=len(features))
-    for f in np.flatnonzero(wanted >= 1.0).tolist():
-        own = by_rank[first[f]:first[f + 1]]
-        own = own[~in_tree[own]]
-        count = int(min(max(wanted[f] - polygons[f], 0), len(own)))
-        missed += int(polygons[f] > 0 and polygons[f] + count != wanted[f])
-        goes[own[:count]], goes[own[count:]] = np.inf, 0.0
-        cuts[own[count:]] = False
-        ranges[f] = (
-            float(persistence[own[count]]) if count < len(own) else float(tau[f]),
-            float(persistence[own[count - 1]]) if count else NO_END,
-        )
-    part_polygon = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
-    return _Nested(
-        selection=selection,
-        parts=parts,
-        pieces=pieces(problem, parts),
-        persistence=persistence,
-        rank=rank,
-        cuts=cuts,
-        levels=levels(
-            found._replace(persistence=goes), parts.sides, len(part_polygon),
-            tau[problem.owner[part_polygon]],
-        ),
-        tau=tau,
-        ranges=ranges,
-        missed=missed,
-    )
 
 
 class _Writer:
@@ -314,9 +208,11 @@ class _Writer:
         """Write the levels of a chunk, and tell what of it could not be solved."""
         import numpy as np
 
+        from ...core.partition.nesting import NO_END, items_of
+
         chunk, tool, prepared = problem.chunk, self.tool, problem.prepared
         count = len(chunk.features)
-        items = _items(problem, nested)
+        items = items_of(problem, nested)
         own = items.level == 0
         at_first = np.bincount(items.feature[own], minlength=count)
         total = np.bincount(items.feature[own], weights=items.area[own], minlength=count)
@@ -364,26 +260,18 @@ class _Writer:
 
     def _cuts(self, problem, nested):
         """The feature of each cut, the last one first; geometries and values, by feature and rank."""
-        import numpy as np
+        from ...core.partition.nesting import cuts
 
-        prepared, selected = problem.prepared, nested.selection.selected
-        which = np.flatnonzero(nested.cuts)
-        feature = problem.owner[prepared.owner[selected[which]]]
-        order = np.lexsort((nested.rank[which], feature))
-        which, feature = which[order], feature[order].tolist()
-        edges = selected[which]
+        feature, edges, fields = cuts(problem, nested)
         values = (
             [length, detour if math.isfinite(detour) else NULL, *more]
-            for length, detour, *more in zip(*(x.tolist() for x in (
-                prepared.chord[edges], prepared.detour[edges], nested.persistence[which],
-                nested.rank[which],
-            )))
+            for length, detour, *more in zip(*(x.tolist() for x in fields.values()))
         )
         geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, prepared.edge_rows[edges],
-            [problem.chunk.extra[f] for f in feature],
+            problem.chunk.rings.coords, problem.prepared.edge_rows[edges],
+            [problem.chunk.extra[f] for f in feature.tolist()],
         )
-        return feature[::-1], zip(geometries, values)
+        return feature.tolist()[::-1], zip(geometries, values)
 
     def report(self, feedback):
         """Say in the log what was done."""
@@ -408,115 +296,16 @@ class _Writer:
             )
 
 
-class _Items(NamedTuple):
-    """What to write of a chunk, by feature, level and size; arrays with an entry for each.
-
-    Attributes
-    ----------
-    feature, number, parent, level : int
-        The parent 0 for none.
-    from_tau, to_tau, area : float
-    part : int
-        The part in the levels; -1 for a polygon that could not be solved.
-    whole : int
-        The polygon of the chunk that it is all of; -1 where it is not.
-    """
-
-    feature: object
-    number: object
-    parent: object
-    level: object
-    from_tau: object
-    to_tau: object
-    area: object
-    part: object
-    whole: object
-
-
-def _items(problem, nested):
-    """List the parts of all levels of a chunk, and the polygons that could not be solved."""
-    import numpy as np
-
-    prepared, made, parts = problem.prepared, nested.levels, nested.parts
-    count = len(parts.area)
-    of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
-    area = np.append(0.0, np.cumsum(parts.area[made.leaf]))
-    area = area[made.last] - area[made.first]
-    area[:count] = parts.area
-    polygon = of_part[made.leaf[made.first]]
-    number = prepared.polygons.number[polygon]
-    shown = np.flatnonzero((made.from_tau < made.to_tau) & (problem.verdict[number] == ""))
-    # those that could not be solved
-    left = np.flatnonzero(problem.verdict != "")
-    of_piece = problem.verdict[nested.pieces.polygon] != ""
-    left_area = np.zeros(len(problem.verdict))
-    left_area[nested.pieces.polygon[of_piece]] = nested.pieces.area[of_piece]
-
-    part = np.append(shown, np.full(len(left), -1))
-    all_of_it = (made.last - made.first == np.diff(parts.part_offsets)[polygon])[shown]
-    whole = np.append(np.where(all_of_it, number[shown], -1), left)
-    area = np.append(area[shown], left_area[left])
-    feature = problem.chunk.owner[np.append(number[shown], left)]
-    from_tau = np.append(made.from_tau[shown], nested.tau[problem.chunk.owner[left]])
-    to_tau = np.append(np.minimum(made.to_tau[shown], NO_END), np.full(len(left), NO_END))
-    order = np.lexsort((part, -area, from_tau, feature))
-    part, whole, area, feature, from_tau, to_tau = (
-        x[order] for x in (part, whole, area, feature, from_tau, to_tau)
-    )
-
-    new_feature = np.diff(feature, prepend=-1) != 0
-    first = np.maximum.accumulate(np.where(new_feature, np.arange(len(order)), 0))
-    place = np.arange(len(order)) - first + 1
-    steps = np.cumsum((np.diff(from_tau, prepend=0.0) != 0) & ~new_feature)
-    place_of = np.zeros(len(made.parent) + 1, dtype=np.int64)  # the last one is for no parent
-    place_of[part[part >= 0]] = place[part >= 0]
-    parent = np.append(made.parent, -1)[part]
-    for f, (least, most) in nested.ranges.items():
-        from_tau[feature == f], to_tau[feature == f] = least, most
-    return _Items(
-        feature, place, place_of[parent], steps - steps[first], from_tau, to_tau, area, part, whole
-    )
-
-
 def _geometries(problem, nested, items, multi):
     """Yield the geometry of each item."""
-    import numpy as np
+    from ...core.partition.nesting import shapes
 
-    from ...core.partition.parts import merged_parts
-    from ...core.rings import offsets_of, ranges, take
-
-    chunk, made, parts = problem.chunk, nested.levels, nested.parts
-    rings, carved = chunk.rings, nested.selection.carved
+    chunk = problem.chunk
     extra = [chunk.extra[f] for f in items.feature.tolist()]
 
     def polygons(which, rows, offsets, ring_offsets):
         return wkb.polygon_geometries(
-            rings.coords, rows, offsets, ring_offsets, [extra[k] for k in which.tolist()], multi
+            chunk.rings.coords, rows, offsets, ring_offsets, [extra[k] for k in which.tolist()], multi
         )
 
-    def taken(which, groups, rows, offsets, ring_offsets):
-        ring, ring_offsets = take(ring_offsets, groups)
-        row, offsets = take(offsets, ring)
-        return polygons(which, rows[row], offsets, ring_offsets)
-
-    def unions(which):
-        own = items.part[which]
-        size = made.last[own] - made.first[own]
-        lo = 0
-        for rows, offsets, ring_offsets in merged_parts(
-            problem.prepared.polygons, carved.walk, nested.selection.selected, carved.tree, parts,
-            made.leaf[ranges(made.first[own], size)], offsets_of(size),
-        ):
-            hi = lo + len(ring_offsets) - 1
-            yield from polygons(which[lo:hi], rows, offsets, ring_offsets)
-            lo = hi
-
-    kind = np.where(items.whole >= 0, 0, np.where(items.part < len(parts.area), 1, 2))
-    whole, finest, merged = (np.flatnonzero(kind == k) for k in range(3))
-    of_kind = (
-        taken(whole, items.whole[whole], np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets),
-        taken(finest, items.part[finest], parts.rows, parts.offsets, parts.ring_offsets),
-        unions(merged),
-    )
-    for k in kind.tolist():
-        yield next(of_kind[k])
+    return shapes(problem, nested, items, polygons)

@@ -1,10 +1,6 @@
 """The tool ``isthmus:partition``."""
 
 from .cutting import CuttingTool
-from .solving import by_feature
-
-# Seconds that a polygon may take to close the gap of MinLength and MinWeight
-TIME_LIMIT = 540.0
 
 HELP = """
 <p>Cuts polygons at their isthmuses, straits and necks into natural parts: a peninsula from its
@@ -86,7 +82,7 @@ class PartitionAlgorithm(CuttingTool):
     def chooser(self, parameters, context, source, feedback):
         import numpy as np
 
-        from ...core.partition.solve import select
+        from ...core.partition.features import for_tau
 
         tau_of = self.dynamic(parameters, self.TAU, context, source)
         max_gap = self.parameterAsDouble(parameters, self.MAX_GAP, context) / 100.0
@@ -94,26 +90,12 @@ class PartitionAlgorithm(CuttingTool):
         def choose(problem, check):
             features = problem.chunk.features
             tau = np.array([tau_of(feature) for feature in features])
-            bad = ~((tau >= 1.0) & (tau < np.inf))
-            for f in np.flatnonzero(bad).tolist():
-                problem.refuse(f, f"tau must be a number of at least 1, and is {tau[f]:g}")
-            selection = select(
-                problem.prepared,
-                np.where(bad, 1.0, tau)[problem.owner],
-                weight=problem.weight,
-                max_gap=max_gap,
-                time_limit=TIME_LIMIT * max(len(problem.owner), 1),
-                check=check,
-                with_dilation=False,
-            )
-            cost = by_feature(problem, selection.cost)
-            gap = cost - by_feature(problem, selection.lower_bound)
-            # the search ends at exactly the gap allowed, give or take a rounding error
-            for f in np.flatnonzero(gap > (max_gap + 1e-9) * cost).tolist():
+            selection, open_gaps = for_tau(problem, tau, max_gap, check)
+            for f, gap in open_gaps.items():
                 feedback.pushWarning(
-                    f"Feature {features[f].id()}: the search ended at a gap of "
-                    f"{100.0 * gap[f] / cost[f]:.3g} per cent between the cost and its proven lower "
-                    "bound, its limit of time or memory being reached."
+                    f"Feature {features[f].id()}: the search ended at a gap of {100.0 * gap:.3g} per "
+                    "cent between the cost and its proven lower bound, its limit of time or memory "
+                    "being reached."
                 )
             return selection
 

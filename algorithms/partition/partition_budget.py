@@ -1,12 +1,7 @@
 """The tool ``isthmus:partitionbudget``."""
 
-import math
-
 from ..layers.wkb import REAL
 from .cutting import CuttingTool
-
-# Seconds that each trial may take to prove MinLength and MinWeight for a polygon
-TIME_LIMIT = 60.0
 
 HELP = """
 <p>Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much
@@ -73,52 +68,25 @@ class PartitionBudgetAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
-        import numpy as np
-
-        from ...core.partition.solve import select
-        from ...core.partition.tradeoff import OverBudget, joint_solver, smallest_dilation, together
+        from ...core.partition.features import within_budget
 
         budget_of = self.dynamic(parameters, self.BUDGET, context, source)
 
         def choose(problem, check):
             features = problem.chunk.features
-            budgets = [budget_of(feature) for feature in features]
-            for f, budget in enumerate(budgets):
-                if not 0.0 <= budget < math.inf:
-                    problem.refuse(f, f"the budget must be a number of at least 0, and is {budget:g}")
-            options = {
-                "weight": problem.weight, "max_gap": 0.0, "check": check,
-                "time_limit": TIME_LIMIT * max(len(problem.owner), 1),
-            }
-            number = problem.prepared.polygons.number
-            group = np.where(problem.verdict[number] == "", problem.owner, -1)
-            answers = together(
-                [smallest_dilation(budget) for budget in budgets],
-                joint_solver(problem.prepared, group, len(features), **options),
+            selection, unproven = within_budget(
+                problem, [budget_of(feature) for feature in features], check
             )
-            tau = np.full(len(features), math.inf)
-            for f, (answer, proven) in enumerate(answers):
-                if isinstance(answer, OverBudget):
-                    problem.refuse(
-                        f,
-                        f"the budget of {budgets[f]:g} cannot be met: the least possible cost is "
-                        f"{answer.least:.12g}, for the cuts that connect holes",
-                    )
-                    continue
-                tau[f] = answer.tau
-                if not proven:
-                    feedback.pushWarning(
-                        f"Feature {features[f].id()}: a smaller detour than {answer.dilation:.6g} may "
-                        "be possible within the budget, which could be neither shown nor ruled out."
-                    )
-            return select(problem.prepared, tau[problem.owner], **options)
+            for f, dilation in unproven.items():
+                feedback.pushWarning(
+                    f"Feature {features[f].id()}: a smaller detour than {dilation:.6g} may be "
+                    "possible within the budget, which could be neither shown nor ruled out."
+                )
+            return selection
 
         return choose
 
     def extra_values(self, problem, solution):
-        import numpy as np
+        from ...core.partition.features import largest_dilations
 
-        solved = problem.verdict[problem.prepared.polygons.number] == ""
-        largest = np.ones(len(problem.chunk.features))
-        np.maximum.at(largest, problem.owner[solved], solution.largest_dilation[solved])
-        return [[value] for value in largest.tolist()]
+        return [[value] for value in largest_dilations(problem, solution).tolist()]

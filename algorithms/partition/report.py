@@ -59,7 +59,7 @@ def _table(curve):
 
 
 def _per_cent(share):
-    return f"{100 * share:.1f} %" if isinstance(share, float) else "?"
+    return "?" if math.isnan(share) else f"{100 * share:.1f} %"
 
 
 def _round_up(tau, above):

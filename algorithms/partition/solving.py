@@ -43,89 +43,6 @@ class Settings(NamedTuple):
     all_dilations: bool
 
 
-class Chunk(NamedTuple):
-    """Features as flat arrays.
-
-    Attributes
-    ----------
-    features : list of QgsFeature
-    rings : core.rings.Rings
-        All their polygons.
-    owner : (q,) int
-        The feature of each polygon, as a place in ``features``.
-    extra : list of int
-        The `wkb.dimensions` of each feature.
-    measure : core.metric.Metric
-    """
-
-    features: list
-    rings: object
-    owner: object
-    extra: list
-    measure: object
-
-
-class Problem(NamedTuple):
-    """A chunk, ready to be solved.
-
-    Attributes
-    ----------
-    chunk : Chunk
-    prepared : core.partition.solve.Prepared
-    weight : (k,) float or None
-        Weights of the candidates; None for MinSize.
-    verdict : (q,) object
-        For each polygon of the chunk '', or why it is not solved.
-    shell_share : (p,) float
-        Area of the shell of each prepared polygon, as a share of its feature's area.
-    """
-
-    chunk: Chunk
-    prepared: object
-    weight: object
-    verdict: object
-    shell_share: object
-
-    @property
-    def owner(self):
-        """(p,) int: the feature of each prepared polygon."""
-        return self.chunk.owner[self.prepared.polygons.number]
-
-    def refuse(self, features, reason):
-        """Note, for features, why none of their polygons is solved; those with a reason keep it."""
-        import numpy as np
-
-        own = np.isin(self.chunk.owner, features) & (self.verdict == "")
-        self.verdict[own] = reason
-
-
-class Pieces(NamedTuple):
-    """What became of the polygons of a chunk: parts, and whole polygons that could not be solved.
-
-    They come by feature, the largest first; a polygon in one piece has its rings as they were.
-
-    Attributes
-    ----------
-    feature_offsets : (f + 1,) int
-        Where the pieces of each feature start.
-    polygon : (m,) int
-        The polygon of each, as a place in the chunk.
-    area : (m,) float
-    rows, offsets, ring_offsets : (k,) int, (r + 1,) int, (m + 1,) int
-        Rows of all rings, where each ring starts, and where the rings of each piece start.
-    number : (m',) int
-        The number within its feature, from 1, of each part of the solution.
-    """
-
-    feature_offsets: object
-    polygon: object
-    area: object
-    rows: object
-    offsets: object
-    ring_offsets: object
-    number: object
-
-
 def measure_of(crs):
     """Return the metric of a layer: its own plane, or its ellipsoid where it is in degrees."""
     from ...core import metric
@@ -150,15 +67,14 @@ def read(features, settings, feedback):
     import numpy as np
 
     from ...core import metric
+    from ...core.partition.features import Chunk, beyond_the_poles
 
     rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in features)
     whole = Chunk(features, rings, owner, extra, settings.measure)
     if not settings.measure.conformal or not len(rings.coords):
         yield whole
         return
-    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
-    strange = np.zeros(len(features), dtype=bool)
-    strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
+    strange = beyond_the_poles(rings, owner, len(features))
     if not strange.any():
         yield whole
         return
@@ -179,64 +95,20 @@ def prepare(chunk, settings, check=ignore):
 
     Returns
     -------
-    Problem
+    core.partition.features.Problem
     """
     import numpy as np
 
-    from ...core.partition import solve as core
+    from ...core.partition.features import prepare
 
-    area, shell = _areas(chunk.rings, np.arange(len(chunk.owner)), chunk.measure)
-    feature_area = np.bincount(chunk.owner, weights=area, minlength=len(chunk.features))
-    floors, reasons = _floors(chunk, settings)
-    near = None
-    if settings.lines:
-        bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()
-        near = [
-            settings.lines.near(chunk.rings.coords[lo:hi])
-            for lo, hi in zip(bounds[:-1], bounds[1:])
-        ]
-    prepared = core.prepare(
-        chunk.rings,
-        natural=settings.natural,
-        smallest=floors["SMALLEST_PART"] / 100.0 * feature_area[chunk.owner],
-        min_length=floors["MIN_LENGTH"],
-        min_hole=floors["MIN_HOLE"],
-        lines=None if near is None else [settings.lines.ends[own] for own in near],
-        measure=chunk.measure,
-        check=check,
+    floors = {
+        name.lower(): np.array([of(feature) for feature in chunk.features], dtype=float)
+        for name, of in settings.floors.items()
+    }
+    return prepare(
+        chunk, natural=settings.natural, lines=settings.lines and settings.lines.given,
+        weigh=settings.weigh, check=check, **floors,
     )
-    verdict = prepared.verdict.copy()
-    if near is not None:
-        for own, lines in zip(near, prepared.lines):
-            if lines is not None:
-                settings.lines.note(own, lines)
-    weight = None
-    if settings.weigh:
-        weight, more = settings.weigh(chunk, near, prepared)
-        for polygon, reason in more.items():
-            verdict[polygon] = reason
-    number = prepared.polygons.number
-    with np.errstate(invalid="ignore", divide="ignore"):
-        shell_share = shell[number] / feature_area[chunk.owner[number]]
-    problem = Problem(chunk, prepared, weight, verdict, shell_share)
-    for feature, reason in reasons.items():
-        problem.refuse(feature, reason)
-    return problem
-
-
-def _floors(chunk, settings):
-    """For each polygon what is too small to count, by name; and {feature: why it has no such number}."""
-    import numpy as np
-
-    reasons, floors = {}, {}
-    for name, of in settings.floors.items():
-        most = 100.0 if name == "SMALLEST_PART" else math.inf
-        values = np.array([of(feature) for feature in chunk.features])
-        for f in np.flatnonzero(~((values >= 0.0) & (values <= most))).tolist():
-            reasons[f] = f"{name} must be a number from 0 on, and is {values[f]:g}"
-            values[f] = 0.0
-        floors[name] = values[chunk.owner]
-    return floors, reasons
 
 
 def reasons_of(feature, verdicts):
@@ -244,93 +116,6 @@ def reasons_of(feature, verdicts):
     if not len(verdicts):
         return ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
     return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
-
-
-def by_feature(problem, values):
-    """Sum up numbers of the prepared polygons that are solved, for each feature."""
-    import numpy as np
-
-    solved = problem.verdict[problem.prepared.polygons.number] == ""
-    return np.bincount(
-        problem.owner[solved], weights=values[solved], minlength=len(problem.chunk.features)
-    )
-
-
-def pieces(problem, parts):
-    """Arrange what became of the polygons of a chunk.
-
-    Parameters
-    ----------
-    problem : Problem
-    parts : core.partition.parts.Parts
-        Of the prepared polygons.
-
-    Returns
-    -------
-    Pieces
-    """
-    import numpy as np
-
-    from ...core.rings import offsets_of, take
-
-    rings, owner = problem.chunk.rings, problem.chunk.owner
-    number = problem.prepared.polygons.number
-    count, part_count = len(owner), len(parts.area)
-    part_polygon = np.repeat(number, np.diff(parts.part_offsets))
-    solved = np.flatnonzero(problem.verdict[part_polygon] == "")
-    whole = np.flatnonzero(problem.verdict != "")
-    # the parts, and behind them the polygons as they came
-    polygon = np.concatenate((part_polygon[solved], whole))
-    piece = np.concatenate((solved, part_count + whole))
-    area = np.concatenate((
-        parts.area[solved], _areas(rings, whole, problem.chunk.measure)[0]
-    ))
-    order = np.lexsort((piece, polygon, -area, owner[polygon]))
-    rank = np.empty(part_count, dtype=np.int64)
-    feature_offsets = offsets_of(np.bincount(owner[polygon], minlength=len(problem.chunk.features)))
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.arange(len(order)) - feature_offsets[owner[polygon[order]]] + 1
-    rank[solved] = place[:len(solved)]
-    polygon, piece, area = polygon[order], piece[order], area[order]
-
-    single = np.bincount(part_polygon, minlength=count)[polygon] == 1
-    piece = np.where(single, part_count + polygon, piece)
-    rows = np.concatenate((parts.rows, np.arange(len(rings.coords))))
-    offsets = np.append(parts.offsets[:-1], parts.offsets[-1] + rings.offsets)
-    ring_offsets = np.append(
-        parts.ring_offsets[:-1], parts.ring_offsets[-1] + rings.polygon_offsets
-    )
-    ring, ring_offsets = take(ring_offsets, piece)
-    row, offsets = take(offsets, ring)
-    return Pieces(feature_offsets, polygon, area, rows[row], offsets, ring_offsets, rank)
-
-
-def _areas(rings, which, measure):
-    """Areas of some polygons, and of their shells; 0 where they have none."""
-    import numpy as np
-
-    from ...core.rings import signed_areas, take
-
-    area, shell = np.zeros(len(which)), np.zeros(len(which))
-    ring, polygon_offsets = take(rings.polygon_offsets, which)
-    size = np.diff(rings.offsets)[ring]
-    if not len(ring):
-        return area, shell
-    hollow = np.minimum.reduceat(size, polygon_offsets[:-1]) == 0
-    if hollow.any():
-        area[~hollow], shell[~hollow] = _areas(rings, which[~hollow], measure)
-        return area, shell
-    row, offsets = take(rings.offsets, ring)
-    with np.errstate(all="ignore"):
-        own = np.abs(signed_areas(measure.equal_area(rings.coords[row, :2]), offsets))
-        shell = own[polygon_offsets[:-1]]
-        area = np.nan_to_num(shell - (np.add.reduceat(own, polygon_offsets[:-1]) - shell))
-        return np.minimum(np.maximum(area, 0.0), 1e300), np.minimum(np.nan_to_num(shell), 1e300)
-
-
-def weigh_by_length(chunk, near, prepared):
-    """Weights of MinLength."""
-    return prepared.chord, {}
 
 
 def weigh_by_expression(text, source, lines, context):

@@ -25,7 +25,6 @@ from ..layers.source import Reader
 from ..layers.wkb import INTEGER, LONG, REAL
 from . import report
 from .cutting import BY_SIZE, PartitionTool
-from .partition_budget import TIME_LIMIT
 from .solving import prepare, read
 
 FIELDS = (
@@ -159,6 +158,7 @@ class TradeoffAlgorithm(PartitionTool):
 
     def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
         """Write the steps of each feature; return the curves for the report, and the numbers."""
+        from ...core.partition.features import curves as follow
         from ...core.partition.tradeoff import paying_steps
 
         name_of = self._names(sinks.parameters, sinks.context)
@@ -169,7 +169,7 @@ class TradeoffAlgorithm(PartitionTool):
             for features in reader.chunks():
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
-                    found = _curves(problem, low, high, most, stretch(check, 0.3, 0.9))
+                    found = follow(problem, low, high, most, stretch(check, 0.3, 0.9))
                     for f, feature in enumerate(chunk.features):
                         check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
                         reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
@@ -186,10 +186,9 @@ class TradeoffAlgorithm(PartitionTool):
                                 f"{'; '.join(reasons)}."
                             )
                         curve, rows = found[f]
-                        for row in rows:
-                            sinks.add(
-                                self.OUTPUT, None, [feature.id(), *row], f"feature {feature.id()}"
-                            )
+                        for *row, share in rows:
+                            own = [feature.id(), *row, NULL if math.isnan(share) else share]
+                            sinks.add(self.OUTPUT, None, own, f"feature {feature.id()}")
                         count += len(rows)
                         tau, cuts, _, cost, share = map(list, zip(*rows))
                         curves.append(
@@ -241,45 +240,3 @@ class TradeoffAlgorithm(PartitionTool):
             with contextlib.suppress(OSError):
                 Path(path).unlink()
             raise QgsProcessingException(f"The report could not be written: {error}") from error
-
-
-def _curves(problem, low, high, most, check):
-    """The trade-off of each feature of a chunk, and the fields of its steps."""
-    import numpy as np
-
-    from ...core.partition.solve import finish, select
-    from ...core.partition.tradeoff import joint_solver, together, trade_off
-
-    count, prepared = len(problem.chunk.features), problem.prepared
-    solved = problem.verdict[prepared.polygons.number] == ""
-    options = {
-        "weight": problem.weight, "max_gap": 0.0, "check": check,
-        "time_limit": TIME_LIMIT * max(len(solved), 1),
-    }
-    solve = joint_solver(prepared, np.where(solved, problem.owner, -1), count, **options)
-    curves = together([trade_off(low, high, most) for _ in range(count)], solve)
-    rows = [[] for _ in range(count)]
-    for step in range(max((len(curve.solutions) for curve in curves), default=0)):
-        own = [curve.solutions[step] if step < len(curve.solutions) else None for curve in curves]
-        tau = np.array([math.inf if joint is None else joint.tau for joint in own])
-        selection = select(prepared, tau[problem.owner], **options)
-        result = finish(prepared, selection, check=check)
-        of_cut = problem.owner[prepared.owner[selection.selected]]
-        mine = solved[prepared.owner[selection.selected]]
-        cuts = np.bincount(of_cut[mine], minlength=count)
-        length = np.bincount(
-            of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count
-        )
-        part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
-        mine = solved[part_polygon]
-        of_part, area = problem.owner[part_polygon[mine]], result.parts.area[mine]
-        total, largest = np.bincount(of_part, weights=area, minlength=count), np.zeros(count)
-        np.maximum.at(largest, of_part, area)
-        for f, joint in enumerate(own):
-            if joint is not None:
-                # no number where areas are beyond what doubles hold
-                share = float(largest[f] / total[f]) if 0.0 < total[f] < math.inf else NULL
-                rows[f].append(
-                    [joint.dilation, int(cuts[f]), float(length[f]), joint.cost, share]
-                )
-    return list(zip(curves, rows))

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from ..errors import MissingEngine, Unsolvable
+from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
@@ -184,15 +185,14 @@ def frame_triangles(xy, segments):
     ------
     Unsolvable, MissingEngine
     """
-    for engine in (_by_triangle, _by_pythoncdt):
-        try:
-            triangles = engine(xy, segments)
-        except ImportError:
-            continue
-        if triangles is not None:
-            return _counter_clockwise(xy, triangles)
+    name = engine_name()
+    if not name:
+        raise MissingEngine(missing_packages())
+    call = {"triangle": _by_triangle, "pythoncdt": _by_pythoncdt, "shapely": _by_shapely}[name]
+    triangles = call(xy, segments)
+    if triangles is None:
         raise Unsolvable("the map could not be triangulated (too fine for double precision)")
-    raise MissingEngine("the package pythoncdt or triangle is needed")
+    return _counter_clockwise(xy, triangles)
 
 
 def _by_triangle(xy, segments):
@@ -221,6 +221,35 @@ def _by_pythoncdt(xy, segments):
     except (RuntimeError, ValueError):
         return None
     return triangles[(triangles > 2).all(axis=1)] - 3  # the first three are its own
+
+
+def _by_shapely(xy, segments):
+    """GEOS triangulates polygons: the faces between the segments and the Delaunay edges that cross none.
+
+    Those edges are part of the constrained triangulation. A face with points inside is not solved.
+    """
+    points = np.ascontiguousarray(xy).view(np.complex128).ravel()  # in numpy's lexicographic order
+    order = np.argsort(points)
+
+    def vertices(found):
+        at = np.searchsorted(points, shapely.get_coordinates(found).view(np.complex128).ravel(), sorter=order)
+        return order[np.minimum(at, len(order) - 1)]
+
+    try:
+        lines = shapely.get_parts(shapely.delaunay_triangles(shapely.multipoints(xy), only_edges=True))
+        edges = unique_pairs(vertices(lines).reshape(-1, 2), len(xy))
+        tree = shapely.STRtree(shapely.linestrings(xy[segments]))
+        a, b = tree.query(shapely.linestrings(xy[edges]), predicate="crosses")
+        crossed = crossing(xy[edges[a]], xy[segments[b]])
+        edges = np.concatenate((segments, np.delete(edges, a[crossed], axis=0)))
+        faces = shapely.get_parts(
+            shapely.polygonize(shapely.linestrings(xy[unique_pairs(edges, len(xy))]))
+        )
+        large = shapely.get_num_coordinates(faces) > 4
+        parts = shapely.get_parts(shapely.constrained_delaunay_triangles(faces[large]))
+    except shapely.errors.GEOSException:
+        return None
+    return vertices(np.concatenate((faces[~large], parts))).reshape(-1, 4)[:, :3]
 
 
 def _counter_clockwise(xy, triangles):

@@ -114,9 +114,10 @@ def _survives(xy, vertex_offsets):
     Then Triangle crashes, and CDT hangs.
     """
     magnitude = np.abs(xy)
-    tiny = ((magnitude < 1e-70) & (magnitude > 0.0)).any(axis=1)
+    tiny = (magnitude < 1e-70) & (magnitude > 0.0)
     wanted = np.ones(len(vertex_offsets) - 1, dtype=bool)
     if tiny.any():
+        tiny = tiny.any(axis=1)
         wanted[np.searchsorted(vertex_offsets, np.flatnonzero(tiny), side="right") - 1] = False
     return wanted
 

@@ -130,7 +130,8 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
     # what the candidates need at the smallest tau, whatever goes
     least = np.ones(len(prepared.polygons.unit))
     worst = np.array(list(parts.worst.values()))
-    np.maximum.at(least, np.append(np.arange(roots), owner)[np.array(list(parts.worst))], worst)
+    which = np.array(list(parts.worst), dtype=np.int64)  # none, where nothing can be solved
+    np.maximum.at(least, np.append(np.arange(roots), owner)[which], worst)
     version = dict.fromkeys(parts.worst, 0)  # the cut that changed each part last
     queue = [(parts.price(k), k, 0, 0) for k in cuts]
     heapify(queue)

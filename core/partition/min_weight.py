@@ -771,11 +771,12 @@ class _Search:
         self.best.offer_bound(self.trees[exact], solved.bound[exact])
 
     def _more_points(self):
-        """As many as the last gap lets expect to be enough: it falls at least about as 1 / points.
+        """As many as the last gap lets expect to be enough: it falls faster than as 1 / points.
 
-        A pass less is worth more than a finer guide: coasts were measured to need 0.86 of the time.
+        Of coasts of 111,000 to 1.16 million vertices it fell as points ** -1.1 to -1.5. A pass less is
+        worth more than a finer guide: coasts were measured to need 0.86 of the time.
         """
-        factor = self.best.gap[self.trees] / self.best.max_gap
+        factor = (self.best.gap[self.trees] / self.best.max_gap) ** 0.95
         more = self.points * np.clip(factor, 1.0, GROWTH) + 1
         return np.minimum(more.astype(np.int64), self.max_points)
 

@@ -230,10 +230,11 @@ def dense_pairs(
     for demand, x, y in blocks(front, left, right):
         check()
         wx, vx, wy, vy = front.weight[x], front.value[x] + base, front.weight[y], front.value[y]
-        useful, weight = _undominated(wx, vx, wy, vy)
-        useful &= weight < weight_cap[demand]
-        value = vx[:, None] + vy
-        useful &= value <= value_cap[demand]
+        useful, weight, value = _undominated(wx, vx, wy, vy)
+        if not weight[-1, -1] < weight_cap[demand]:
+            useful &= weight < weight_cap[demand]
+        if not value[0, 0] <= value_cap[demand]:
+            useful &= value <= value_cap[demand]
         if not demand and x.start == front.ptr[2 * left]:
             useful[0, 0] = True
         k = np.flatnonzero(useful)
@@ -245,26 +246,27 @@ def dense_pairs(
 
 
 def _undominated(wx, vx, wy, vy):
-    """Mask over the outer sum: pairs that a quick test cannot show to be dominated.
+    """Pairs that a quick test cannot show to be dominated, weights and values: over the outer sum.
 
     For each of some thresholds t the best value of weight <= t is found among some of the rows;
     a pair at or above t with a worse value is dominated.
     """
-    weight = wx[:, None] + wy
+    weight, value = wx[:, None] + wy, vx[:, None] + vy
     low, high = weight[0, 0], weight[-1, -1]
     width = high - low
     if not width > 0:
-        return np.ones(weight.shape, bool), weight
+        return np.ones(weight.shape, bool), weight, value
     cells = len(wy)
     step = width / cells
     some = slice(None, None, 1 + len(wx) // ROWS)
     threshold = low + step * np.arange(cells)
     j = np.searchsorted(wy, threshold - wx[some, None], "right") - 1
-    value = np.where(j >= 0, vx[some, None] + vy[j], np.inf)
+    found = np.where(j >= 0, vx[some, None] + vy[j], np.inf)
     # rounding may place t - w(x) a hair beside w(y): one cell of distance makes that harmless
-    best = np.concatenate(([np.inf] * 2, np.minimum.accumulate(value.min(axis=0))))
-    cell = ((weight - low) * (1 / step)).astype(np.int32)
-    return vx[:, None] + vy <= best[cell + 1], weight
+    best = np.concatenate(([np.inf], np.minimum.accumulate(found.min(axis=0))))
+    cell = weight - low
+    cell *= 1 / step
+    return value <= best.take(cell.astype(np.int32)), weight, value
 
 
 def first_points(

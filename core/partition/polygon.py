@@ -10,18 +10,33 @@ that touch share a vertex, each with a corner of its own). Polygons never share 
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from ..errors import Unsolvable
+from ..predicates import orientations
 from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
 
 __all__ = ["Polygons", "from_rings", "is_valid", "one", "select", "without_rings"]
 
 
-class Polygons(NamedTuple):
+class _Arrays(NamedTuple):
+    xy: np.ndarray
+    unit: np.ndarray
+    vertex: np.ndarray
+    offsets: np.ndarray
+    polygon_offsets: np.ndarray
+    rows: np.ndarray
+    row_start: np.ndarray
+    inserted: np.ndarray
+    shell_reversed: np.ndarray
+    number: np.ndarray
+
+
+class Polygons(_Arrays):  # with a __dict__, for what every stage asks for again
     """Valid polygons in canonical order (section 2 of the paper: the geometric graphs G).
 
     The first ring of each is its shell, counter-clockwise; the others are holes, clockwise. Each
@@ -51,23 +66,12 @@ class Polygons(NamedTuple):
         The input's number of each polygon.
     """
 
-    xy: np.ndarray
-    unit: np.ndarray
-    vertex: np.ndarray
-    offsets: np.ndarray
-    polygon_offsets: np.ndarray
-    rows: np.ndarray
-    row_start: np.ndarray
-    inserted: np.ndarray
-    shell_reversed: np.ndarray
-    number: np.ndarray
-
-    @property
+    @cached_property
     def next_corner(self) -> np.ndarray:
         """(c,) int: the corner after each corner on its ring."""
         return following(self.offsets)
 
-    @property
+    @cached_property
     def ring_of_corner(self) -> np.ndarray:
         """(c,) int: the ring of each corner."""
         return groups(self.offsets)
@@ -82,14 +86,17 @@ class Polygons(NamedTuple):
         """(p + 1,) int: where the corners of each polygon start."""
         return self.offsets[self.polygon_offsets]
 
-    @property
+    @cached_property
     def polygon_of_vertex(self) -> np.ndarray:
         """(n,) int: the polygon of each vertex."""
+        of_corner = groups(self.corner_offsets)
+        if len(self.vertex) == len(self.xy):
+            return of_corner
         polygon = np.empty(len(self.xy), dtype=np.int64)
-        polygon[self.vertex] = groups(self.corner_offsets)
+        polygon[self.vertex] = of_corner
         return polygon
 
-    @property
+    @cached_property
     def vertex_offsets(self) -> np.ndarray:
         """(p + 1,) int: where the vertices of each polygon start."""
         if len(self.vertex) == len(self.xy):
@@ -133,16 +140,19 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
 
     empty = np.bincount(row_polygon, minlength=count) == 0
     verdict[empty] = "empty geometry"
-    finite = np.isfinite(xy).all(axis=1)
     bad = np.zeros(count, dtype=bool)
-    bad[row_polygon[~finite]] = True
-    verdict[bad] = "coordinates are not finite (NaN or infinity)"
-    xy[~finite] = 0.0
+    finite = np.isfinite(xy)
+    if not finite.all():
+        finite = finite.all(axis=1)
+        bad[row_polygon[~finite]] = True
+        verdict[bad] = "coordinates are not finite (NaN or infinity)"
+        xy[~finite] = 0.0
     xy, unit = _scaled(xy, row_polygon, count)
 
     # corners: rows that differ from the one before on their ring
     is_start = np.ones(len(xy), dtype=bool)
-    is_start[1:] = (xy[1:] != xy[:-1]).any(axis=1)
+    x, y = xy.T
+    is_start[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1])
     some = np.flatnonzero(size)
     first, last = offsets[:-1][some], offsets[1:][some] - 1
     is_start[first] = (xy[first] != xy[last]).any(axis=1)
@@ -266,7 +276,8 @@ def _scaled(xy, row_polygon, count):
     largest = np.zeros(count)
     if len(xy):
         first = np.flatnonzero(np.diff(row_polygon, prepend=-1))
-        largest[row_polygon[first]] = np.maximum.reduceat(np.abs(xy).max(axis=1), first)
+        of_axes = np.maximum.reduceat(np.abs(xy), first, axis=0)  # ufunc.max(axis=1) takes ten times longer
+        largest[row_polygon[first]] = of_axes.max(axis=1)
     extreme = np.flatnonzero(((largest <= 1e-50) & (largest > 0.0)) | (largest >= 1e50))
     for p in extreme.tolist():
         exponent = int(np.frexp(largest[p])[1])
@@ -285,14 +296,22 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         none = np.empty(0, dtype=np.int64)
         return Polygons(np.empty((0, 2)), np.empty(0), none, np.zeros(1, np.int64), np.zeros(1, np.int64),
                         none, np.zeros(1, np.int64), np.empty(0, bool), np.empty(0, bool), none)
-    ccw = shapely.is_ccw(shapely.linearrings(xy[starts], indices=groups(corner_offsets)))
-    backwards = ccw == is_hole
     # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
-    x, y = xy[starts].T
-    x_least = np.minimum.reduceat(x, corner_offsets[:-1])
-    y = np.where(x == np.repeat(x_least, np.diff(corner_offsets)), y, np.inf)
-    y_least = np.minimum.reduceat(y, corner_offsets[:-1])
-    smallest = np.flatnonzero(y == np.repeat(y_least, np.diff(corner_offsets)))
+    first, end = corner_offsets[:-1], corner_offsets[1:]
+    corner_xy = xy[starts]
+    x = corner_xy[:, 0]
+    leftmost = np.flatnonzero(x == np.repeat(np.minimum.reduceat(x, first), end - first))
+    own = np.searchsorted(leftmost, first)
+    y = corner_xy[leftmost, 1]
+    lowest = np.repeat(np.minimum.reduceat(y, own), np.diff(np.append(own, len(leftmost))))
+    smallest = leftmost[y == lowest]
+    # where the ring turns left at it, it is counter-clockwise
+    turn = orientations(
+        corner_xy[np.where(smallest == first, end, smallest) - 1],
+        corner_xy[smallest],
+        corner_xy[np.where(smallest == end - 1, first, smallest + 1)],
+    )
+    backwards = (turn > 0) == is_hole
 
     lo, size = offsets[:-1][ring], np.diff(offsets)[ring]
     begin = starts[smallest]
@@ -300,21 +319,21 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         # backwards a corner begins at its last row: the one before the next corner's first
         after = starts[following(corner_offsets)[smallest]] - lo - 1
         begin = np.where(backwards, lo + after % size, begin)
-    along = ranges(np.zeros(len(ring), dtype=np.int64), size)
-    step = np.where(backwards, -1, 1)
-    rows = np.repeat(lo, size) + (
-        np.repeat(begin - lo, size) + np.repeat(step, size) * along
-    ) % np.repeat(size, size)
-    if backwards.any():
-        nxt = rows - np.repeat(lo, size) + 1
-        nxt = np.repeat(lo, size) + np.where(nxt == np.repeat(size, size), 0, nxt)
-        begins = np.where(np.repeat(backwards, size), is_start[nxt], is_start[rows])
-    else:
-        begins = is_start[rows]
+    row_offsets, step = offsets_of(size), np.where(backwards, -1, 1)
+    rows = np.repeat(begin - step * row_offsets[:-1], size)
+    rows += np.arange(len(rows)) if not backwards.any() else np.repeat(step, size) * np.arange(len(rows))
+    for past, back in ((rows >= np.repeat(lo + size, size), -size), (rows < np.repeat(lo, size), size)):
+        past = np.flatnonzero(past)
+        rows[past] += back[np.searchsorted(row_offsets, past, side="right") - 1]
+    begins = is_start[rows]
+    if backwards.any():  # a corner begins at its last row: the one before the next corner's first
+        is_last = np.empty_like(is_start)
+        is_last[:-1] = is_start[1:]
+        is_last[lo + size - 1] = is_start[lo]
+        begins = np.where(np.repeat(backwards, size), is_last[rows], begins)
 
     # holes in the order of their first two vertices
     if is_hole.any():
-        row_offsets = offsets_of(size)
         head = np.flatnonzero(begins)
         at = corner_offsets[:-1]
         p, q = xy[rows[head[at]]], xy[rows[head[at + 1]]]

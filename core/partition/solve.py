@@ -403,7 +403,7 @@ def prepare(
         unit = polygons.unit[owner]
         position = measure.positions(polygons.xy)
         length = measure.length(position, edges[:, 0], edges[:, 1])
-        kept = attachable[edges].all(axis=1)
+        kept = np.ones(len(edges), dtype=bool) if attachable.all() else attachable[edges].all(axis=1)
         joining = np.flatnonzero(kept)
         tree, apart = spanning_tree(polygons, component, edges[joining], length[joining], wanted)
         tree = joining[tree]

@@ -15,7 +15,7 @@ import shapely
 
 from ..errors import MissingEngine
 from ..progress import ignore
-from ..rings import shapes, take
+from ..rings import offsets_of, shapes, take
 from . import engines
 from .engines import engine_name
 from .polygon import Polygons, is_valid
@@ -84,23 +84,30 @@ def triangulate(
         bent, survives = _bent(polygons, conformal)
         planes.append((bent, survives))
     planes.append((polygons.xy, np.ones(count, dtype=bool)))
-    found = [None] * count
+    found = []  # triangles, and their number in each polygon
     waiting = np.ones(count, dtype=bool)
     for plane, usable in planes:
         for name in names:
             which = np.flatnonzero(waiting & usable)
             if not len(which):
                 continue
-            own = _by_engine(name, polygons, plane, which, check)
-            good = _are_triangulations(polygons, which, own)
+            triangles, offsets = _by_engine(name, polygons, plane, which, check)
+            good = _are_triangulations(polygons, which, triangles, offsets)
             if plane is not polygons.xy:
-                good &= _same_sides(polygons.xy, own)
-            for k in np.flatnonzero(good).tolist():
-                found[which[k]] = own[k]
+                good &= _same_sides(polygons.xy, triangles, offsets)
+            if not good.all():
+                index, offsets = take(offsets, np.flatnonzero(good))
+                triangles = triangles[index]
+            found.append((triangles, which[good], np.diff(offsets)))
             waiting[which[good]] = False
     verdict = np.where(waiting, TOO_FINE, "").astype(object)
-    found = [one for one in found if one is not None]
-    return np.concatenate(found) if found else np.empty((0, 3), dtype=np.int64), verdict
+    if len(found) == 1:
+        return found[0][0], verdict
+    triangles, which, size = (np.concatenate(x) for x in zip(*found)) if found else (
+        np.empty((0, 3), dtype=np.int64), *np.empty((2, 0), dtype=np.int64)
+    )
+    index, _ = take(offsets_of(size), np.argsort(which, kind="stable"))
+    return triangles[index], verdict
 
 
 def diagonals(polygons: Polygons, triangles: np.ndarray) -> np.ndarray:
@@ -147,22 +154,24 @@ def _bent(polygons, conformal):
 
 
 def _by_engine(name, polygons, plane, which, check):
-    """Triangles of polygons in a plane, by an engine; empty where it fails."""
+    """Triangles of polygons in a plane, by an engine, and where those of each start; none where it fails."""
     vertex, vertex_offsets = take(polygons.vertex_offsets, which)
     corner, corner_offsets = take(polygons.corner_offsets, which)
-    number = np.empty(len(plane), dtype=np.int64)
-    number[vertex] = np.arange(len(vertex))
     ends = polygons.vertex[np.column_stack((corner, polygons.next_corner[corner]))]
+    if len(vertex) < len(plane):
+        number = np.empty(len(plane), dtype=np.int64)
+        number[vertex] = np.arange(len(vertex))
+        plane, ends = plane[vertex], number[ends]
     triangles, offsets = engines.triangulate(
-        name, plane[vertex], vertex_offsets, number[ends], corner_offsets, check=check
+        name, plane, vertex_offsets, ends, corner_offsets, check=check
     )
-    return np.split(vertex[triangles], offsets[1:-1])
+    return triangles if len(vertex) == len(polygons.xy) else vertex[triangles], offsets
 
 
 def _half_edges(polygons, triangles):
     """Tails and heads of the sides of triangles, and which are edges of the polygons."""
     n = len(polygons.xy)
-    a, b = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    a, b = triangles.ravel(), triangles.take([1, 2, 0], axis=1).ravel()
     vertex, after = polygons.vertex, polygons.vertex[polygons.next_corner]
     next_vertex = np.full(n, -1, dtype=a.dtype)
     next_vertex[vertex] = after
@@ -175,33 +184,36 @@ def _half_edges(polygons, triangles):
     return a, b, boundary
 
 
-def _are_triangulations(polygons, which, found):
+def _are_triangulations(polygons, which, triangles, offsets):
     """Whether the triangles found for some polygons are triangulations of these."""
-    size = np.array([len(one) for one in found])
+    size = np.diff(offsets)
     corners = np.diff(polygons.corner_offsets)[which]
     touches = corners - np.diff(polygons.vertex_offsets)[which]
     holes = np.diff(polygons.polygon_offsets)[which] - 1 - touches  # one that touches is part of a ring
     good = size == corners + 2 * holes - 2
-    triangles = np.concatenate(found)
-    low = np.repeat(polygons.vertex_offsets[which], size)
-    high = np.repeat(polygons.vertex_offsets[which + 1], size)
-    owner = np.repeat(np.arange(len(which)), size)
-    inside = (triangles >= low[:, None]).all(axis=1) & (triangles < high[:, None]).all(axis=1)
-    good[owner[~inside]] = False
-    triangles[~inside] = 0
+    bounds = 3 * offsets
+    low = np.repeat(polygons.vertex_offsets[which], 3 * size)
+    high = np.repeat(polygons.vertex_offsets[which + 1], 3 * size)
+    flat = triangles.ravel()
+    outside = (flat < low) | (flat >= high)
+    if outside.any():
+        good &= _numbers_of(outside, bounds) == 0
+        triangles = np.where(outside.reshape(-1, 3).any(axis=1)[:, None], 0, triangles)
     a, b, boundary = _half_edges(polygons, triangles)
-    half_owner = np.repeat(owner, 3)
-    good &= np.bincount(half_owner[boundary], minlength=len(which)) == corners
-    inner = np.bincount(half_owner[(a < b) & ~boundary], minlength=len(which))
+    good &= _numbers_of(boundary, bounds) == corners
+    inner = _numbers_of((a < b) & ~boundary, bounds)
     return good & (2 * inner + corners == 3 * size)
 
 
-def _same_sides(xy, found):
+def _numbers_of(flags, offsets):
+    """How many flags of each group are set; groups may be empty."""
+    return np.diff(np.searchsorted(np.flatnonzero(flags), offsets))
+
+
+def _same_sides(xy, triangles, offsets):
     """Whether all triangles of each polygon have their orientation in this plane too (so they tile it)."""
-    size = np.array([len(one) for one in found])
-    p, q, r = (xy[k] for k in np.concatenate(found).T)
+    p, q, r = (xy[k] for k in triangles.T)
     left = (p[:, 0] - r[:, 0]) * (q[:, 1] - r[:, 1])
     right = (p[:, 1] - r[:, 1]) * (q[:, 0] - r[:, 0])
     turned = ~(left - right > 4e-16 * (np.abs(left) + np.abs(right)))
-    return np.bincount(np.repeat(np.arange(len(found)), size), weights=turned,
-                       minlength=len(found)) == 0
+    return _numbers_of(turned, offsets) == 0

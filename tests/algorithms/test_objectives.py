@@ -98,9 +98,9 @@ def western_europe(layer):
 
 
 def test_a_search_that_ends_early_says_so(run, layer, feedback, monkeypatch):
-    from isthmus.algorithms.partition import partition as tool
+    from isthmus.core.partition import features
 
-    monkeypatch.setattr(tool, "TIME_LIMIT", 0.0)
+    monkeypatch.setattr(features, "TIME_LIMIT", 0.0)
     results = partition(
         run, western_europe(layer), feedback, TAU=6, OBJECTIVE="MinLength", MAX_GAP=0
     )

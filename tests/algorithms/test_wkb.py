@@ -14,29 +14,37 @@ def test_round_trip(qgis_app, kind, extra, multi):
     body = "(%s)" % ",".join("(%s)" % ",".join(p + more for p in ring) for ring in rings)
     wkt = f"MULTIPOLYGON{kind}({body},{body})" if multi else f"POLYGON{kind}{body}"
     geometry = QgsGeometry.fromWkt(wkt)
-    polygons = wkb.polygons(geometry)
-    assert len(polygons) == 1 + multi
-    for coords, offsets in polygons:
-        assert offsets.tolist() == [0, 3, 6]
-        assert coords.shape == (6, 2 + len(kind.strip()))
-        rows = [np.arange(3), np.arange(3, 6)]
-        back = wkb.polygon_geometry(coords, rows, extra, multi)
-        expected = QgsGeometry.fromWkt(
-            f"MULTIPOLYGON{kind}({body})" if multi else f"POLYGON{kind}{body}"
-        )
+    rings, owner, dimensions = wkb.read_polygons([QgsGeometry(), geometry])
+    count = 1 + multi
+    assert owner.tolist() == [1] * count and dimensions == [0, extra]
+    assert rings.offsets.tolist() == list(range(0, 6 * count + 1, 3))
+    assert rings.polygon_offsets.tolist() == list(range(0, 2 * count + 1, 2))
+    assert rings.coords.shape == (6 * count, 2 + len(kind.strip()))
+    expected = QgsGeometry.fromWkt(f"MULTIPOLYGON{kind}({body})" if multi else f"POLYGON{kind}{body}")
+    for back in wkb.polygon_geometries(
+        rings.coords, np.arange(6 * count), rings.offsets, rings.polygon_offsets, [extra] * count, multi
+    ):
         assert back.asWkb() == expected.asWkb()
+    ends = np.array([[0, 4]])
+    (line,) = wkb.line_geometries(rings.coords, ends, [extra])
+    assert line.asWkb() == QgsGeometry.fromWkt(
+        f"LINESTRING{kind}({rings_text(rings.coords[ends[0]])})").asWkb()
+
+
+def rings_text(points):
+    return ", ".join(" ".join(map(repr, point)) for point in points.tolist())
 
 
 def test_a_closing_vertex_with_another_z_is_kept(qgis_app):
     geometry = QgsGeometry.fromWkt("POLYGON Z((0 0 1,1 0 2,1 1 3,0 0 4))")
-    ((coords, offsets),) = wkb.polygons(geometry)
-    assert {row[2] for row in coords.tolist()} == {1, 2, 3, 4}
+    rings, _, _ = wkb.read_polygons([geometry])
+    assert rings.coords[:, 2].tolist() == [1, 2, 3, 4]
 
 
 @pytest.mark.parametrize("wkt", ["POLYGON EMPTY", "MULTIPOLYGON EMPTY", "MULTIPOLYGON(EMPTY)"])
 def test_empty(qgis_app, wkt):
-    assert wkb.polygons(QgsGeometry.fromWkt(wkt)) == []
-    assert wkb.polygons(QgsGeometry()) == []
+    rings, owner, _ = wkb.read_polygons([QgsGeometry.fromWkt(wkt), QgsGeometry()])
+    assert len(rings.coords) == len(owner) == 0
 
 
 def test_common_type(qgis_app):

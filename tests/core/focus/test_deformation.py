@@ -114,12 +114,14 @@ def test_node_leaves_no_crossing(seed):
     assert length(noded.xy, noded.edges) == pytest.approx(length(xy, edges))
 
 
-@pytest.mark.parametrize("engine", ["triangle", "pythoncdt"])
-def test_frame_triangles(engine, monkeypatch):
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("engine", ["triangle", "pythoncdt", "shapely"])
+def test_frame_triangles(engine, seed, monkeypatch):
     """All points, all segments, and as many triangles as the convex hull has room for."""
     pytest.importorskip(engine)
-    monkeypatch.setitem(sys.modules, {"triangle": "pythoncdt", "pythoncdt": "triangle"}[engine], None)
-    rng = np.random.default_rng(2)
+    for other in {"triangle", "pythoncdt"} - {engine}:
+        monkeypatch.setitem(sys.modules, other, None)
+    rng = np.random.default_rng(seed)
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     edges = np.concatenate((
         graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)]))
@@ -133,6 +135,7 @@ def test_frame_triangles(engine, monkeypatch):
 def test_without_an_engine(monkeypatch):
     for name in ("triangle", "pythoncdt"):
         monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.delattr(mesh.shapely, "constrained_delaunay_triangles", raising=False)
     with pytest.raises(MissingEngine, match="pythoncdt"):
         mesh.frame_triangles(np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]), np.array([(0, 1)]))
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.aggregation.instance import Solution, costs, problems
+from .instance import Solution, costs, problems
 
 
 class Outcome(NamedTuple):

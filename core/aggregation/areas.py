@@ -1,0 +1,254 @@
+"""The areas of a map as arrays: size, place, spread and neighbours of each, and the problem they pose."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple, Sequence
+
+import numpy as np
+import shapely
+
+from ..errors import IsthmusError
+from ..metric import FARTHEST, Metric
+from ..rings import Rings, groups, offsets_of, take
+from .coverage import Coverage, centroids, cover, shapes, shared, spreads
+from .instance import Instance, build
+
+__all__ = ["Areas", "arrange", "invalid", "joined_rings", "neighbours", "piece_fields", "posed", "reasons_of"]
+
+EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
+LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
+
+
+class Areas(NamedTuple):
+    """Areas of a layer, in its order.
+
+    Attributes
+    ----------
+    features : sequence
+        The areas themselves, as the caller has them.
+    coverage : Coverage
+    owner : (q,) int
+        The area of each polygon; an area has several if it is multipart, none if it is empty.
+    measured : (q,) bool
+        Whether a polygon is in the coverage: all of its coordinates are numbers, and none is huge.
+    size : (n,) float
+        In square metres.
+    place : (n,) complex
+        Centroids, in metres.
+    spread : (n,) float
+        Mean squared distance of the points of an area from its centroid, in square metres.
+    metre : float
+        Metres in one unit of the measure.
+    measure : Metric
+    """
+
+    features: Sequence
+    coverage: Coverage
+    owner: np.ndarray
+    measured: np.ndarray
+    size: np.ndarray
+    place: np.ndarray
+    spread: np.ndarray
+    metre: float
+    measure: Metric
+
+
+def arrange(
+    features: Sequence, rings: Rings, owner: np.ndarray, measure: Metric, metre: float = 1.0
+) -> Areas:
+    """Return `Areas`.
+
+    Parameters
+    ----------
+    features : sequence
+        The areas themselves, as the caller has them.
+    rings : Rings
+        Their polygons.
+    owner : (q,) int
+        The area of each polygon.
+    measure : Metric
+    metre : float
+        Metres in one unit of the measure.
+    """
+    # rings of fewer than three vertices bound nothing
+    polygon_count = len(rings.polygon_offsets) - 1
+    row_polygon = np.repeat(groups(rings.polygon_offsets), np.diff(rings.offsets))
+    measured = np.ones(polygon_count, dtype=bool)
+    measured[row_polygon[~(np.abs(rings.coords[:, :2]) <= FARTHEST).all(axis=1)]] = False
+    ring_polygon = groups(rings.polygon_offsets)
+    some = np.flatnonzero(measured[ring_polygon] & (np.diff(rings.offsets) > 0))
+    row, offsets = take(rings.offsets, some)
+    coords = rings.coords[row]
+    coverage = cover(coords, offsets, ring_polygon[some])
+    xy = coords[:, :2]
+    area, moment = centroids(coverage, measure.equal_area(xy) if len(xy) else xy, polygon_count)
+    if measure.conformal:  # the centroid in degrees, its metres near the middle of the layer
+        flat, moment = centroids(coverage, xy, polygon_count)
+        moment = moment * np.divide(area, flat, out=np.zeros(polygon_count), where=flat > 0)[:, None]
+    n = len(features)
+    size = np.bincount(owner, weights=area, minlength=n)
+    weight = np.where(size > 0, size, 1.0)
+    x = np.bincount(owner, weights=moment[:, 0], minlength=n) / weight
+    y = np.bincount(owner, weights=moment[:, 1], minlength=n) / weight
+    # of an area that crosses itself, parts count as negative: its centroid might be anywhere
+    ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
+    row_area = np.repeat(ring_area, np.diff(offsets))
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, row_area, xy)
+    np.maximum.at(high, row_area, xy)
+    some = np.isfinite(low[:, 0])
+    x[some] = np.clip(x[some], low[some, 0], high[some, 0])
+    y[some] = np.clip(y[some], low[some, 1], high[some, 1])
+    around = xy - np.column_stack((x, y))[row_area]
+    if measure.conformal and n:
+        around = EARTH_RADIUS * np.radians(around)
+        around[:, 0] *= np.cos(np.radians(xy[:, 1]))
+        middle = np.median(x)
+        x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
+        y = EARTH_RADIUS * np.radians(y)
+    spread = np.zeros(n)
+    spread[:owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
+    return Areas(features, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
+                 (x + 1j * y) * metre, spread * metre**2, metre, measure)
+
+
+def neighbours(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
+    """Return pairs of areas that share a boundary, and its length in metres, each pair once."""
+    pairs, length = shared(areas.coverage, areas.measure)
+    pairs = np.sort(areas.owner[pairs], axis=1).reshape(-1, 2)
+    apart = pairs[:, 0] != pairs[:, 1]
+    pairs, length = pairs[apart], length[apart] * areas.metre
+    n = max(len(areas.features), 1)
+    key, group = np.unique(pairs[:, 0] * n + pairs[:, 1], return_inverse=True)
+    total = np.bincount(group.ravel(), weights=length, minlength=len(key))
+    return np.column_stack((key // n, key % n)), total
+
+
+def invalid(areas: Areas) -> np.ndarray:
+    """Return the numbers of the areas that are not valid."""
+    valid = shapely.is_valid(shapes(areas.coverage, len(areas.owner)))
+    return np.unique(areas.owner[~valid])
+
+
+def reasons_of(areas: Areas, classes: Sequence[str | None], without: Sequence[str]) -> dict[int, str]:
+    """Return why areas are left as they are, by number.
+
+    Parameters
+    ----------
+    areas : Areas
+    classes : sequence of str or None
+    without : sequence of str
+        Why each area has no polygon, if it has none.
+    """
+    shaped = np.zeros(len(classes), dtype=bool)
+    shaped[areas.owner] = True
+    huge = set(areas.owner[~areas.measured].tolist())
+    reason = {}
+    for k, one in enumerate(classes):
+        if not shaped[k]:
+            reason[k] = without[k]
+        elif k in huge:
+            reason[k] = f"it has coordinates that are not finite, or larger than {FARTHEST:g}"
+        elif one is None:
+            reason[k] = "it has no class"
+    return reason
+
+
+def posed(
+    areas: Areas,
+    classes: Sequence[str | None],
+    names: list[str],
+    left: Sequence[int],
+    theta: np.ndarray,
+    distance: np.ndarray,
+    weights: Sequence[float],
+    between_classes: bool,
+) -> Instance:
+    """Return the problem of a map.
+
+    Parameters
+    ----------
+    areas : Areas
+    classes : sequence of str or None
+        Of each area.
+    names : list of str
+        The classes, in the order of ``theta`` and ``distance``.
+    left : sequence of int
+        Areas that stay as they are.
+    theta, distance : (c,) float, (c, c) float
+        See `tables.thresholds` and `tables.distances`.
+    weights : sequence of float
+        Of class change, boundary length and centre distance.
+    between_classes : bool
+        Whether only boundaries between classes count.
+
+    Raises
+    ------
+    IsthmusError
+        If costs would be no numbers any more.
+    """
+    pairs, length = neighbours(areas)
+    # the last class stands for none: nobody may get it, and who has it keeps it
+    number = {one: k for k, one in enumerate(names)}
+    none = len(names)
+    cls = np.array([none if one is None else number[one] for one in classes], dtype=np.int64)
+    stay = np.zeros(len(classes), dtype=bool)
+    stay[list(left)] = True
+    alone = stay[pairs].any(axis=1)
+    padded = np.zeros((none + 1, none + 1))
+    padded[:none, :none] = distance
+    change, boundary, centre = weights
+    problem = build(
+        areas.size, cls, areas.place, pairs[~alone], length[~alone], padded, np.append(theta, np.inf),
+        change, boundary, centre, between_classes, areas.spread,
+    )
+    size, place = problem.size.sum(), problem.place
+    with np.errstate(over="ignore"):
+        extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
+        most = {
+            "class change": size * problem.change * problem.distance.max(initial=0.0),
+            "boundary length": problem.boundary * problem.length.sum(),
+            "centre distance": size * problem.centre * extent,
+        }
+    for name, cost in most.items():
+        if not cost < LARGEST_COST:
+            raise IsthmusError(
+                f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
+                "smaller weight (or class distances), and see that no area is far away by mistake."
+            )
+    return problem
+
+
+def joined_rings(chunks: Sequence[Rings]) -> Rings:
+    """Return the rings of several chunks as one.
+
+    Examples
+    --------
+    >>> triangle = Rings(np.eye(3, 2), np.array([0, 3]), np.array([0, 1]))
+    >>> joined_rings([triangle, triangle]).offsets
+    array([0, 3, 6])
+    """
+    if not chunks:
+        return Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    # Z and M were made alike before; a chunk without any polygon has none
+    width = max(own.coords.shape[1] for own in chunks)
+    return Rings(
+        np.concatenate([own.coords.reshape(-1, width) for own in chunks]),
+        offsets_of(np.concatenate([np.diff(own.offsets) for own in chunks])),
+        offsets_of(np.concatenate([np.diff(own.polygon_offsets) for own in chunks])),
+    )
+
+
+def piece_fields(names: Sequence[str]) -> tuple[int, int]:
+    """Return the places of the fields area_id and size of prepared pieces, whatever their numbers; or -1.
+
+    The areas may have had fields of these names themselves: then those of the tool have a number
+    (area_id_2), and come last, one after the other.
+    """
+    plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
+    for k in range(len(names) - 4, -1, -1):
+        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+            return k, k + 2
+    lower = [name.lower() for name in names]
+    return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)

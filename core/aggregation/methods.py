@@ -1,0 +1,67 @@
+"""The three methods of aggregation behind one call."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from ..progress import ignore
+from .annealing import annealing
+from .exact import Exact, exact
+from .greedy import greedy, reach_count
+from .instance import Instance, Solution
+
+__all__ = ["METHODS", "by_method"]
+
+METHODS = ("greedy", "annealing", "exact")
+
+
+def by_method(
+    problem: Instance,
+    method: str,
+    *,
+    seed: int = 1,
+    iterations: int = 0,
+    seconds: float = 0.0,
+    count: int | None = None,
+    decompose: bool = True,
+    check: Callable = ignore,
+) -> tuple[Solution, Exact | None]:
+    """Aggregate by one of `METHODS`.
+
+    Parameters
+    ----------
+    problem : Instance
+    method : str
+        'greedy', 'annealing', or 'exact', which starts from a short annealing.
+    seed, iterations, seconds
+        See `annealing.annealing`; 0 iterations are 10,000 an area, 0 seconds no limit (60 for 'exact').
+    count : int, optional
+        Number of regions wanted; not used by 'exact'.
+    decompose : bool
+        See `exact.exact`.
+    check : callable, optional
+        Called now and then with the share done; may raise to stop.
+
+    Returns
+    -------
+    found : Solution
+    result : Exact or None
+        What 'exact' tells of it.
+
+    Raises
+    ------
+    MissingEngine
+        If 'exact' lacks its solver.
+    """
+    if method == "greedy":
+        found = greedy(problem, check)
+        return (reach_count(problem, found, count, check) if count else found), None
+    if method == "annealing":
+        found = annealing(
+            problem, seed=seed, iterations=iterations or None, seconds=seconds or None, count=count,
+            check=check,
+        )
+        return found, None
+    begin = annealing(problem, seed, 3000 * len(problem.size), check=check)
+    result = exact(problem, seconds or 60.0, decompose, begin, check)
+    return result.found, result

@@ -1,0 +1,271 @@
+"""Nested partitions of the features of a chunk: every part of every level, from tau on.
+
+What the QGIS tool ``isthmus:hierarchy`` and ``isthmus.hierarchy`` of the Python package share: `nest` solves
+and orders, `items_of` lists what there is to write, and `shapes` makes the geometries.
+"""
+
+from __future__ import annotations
+
+from typing import Callable, Iterator, NamedTuple
+
+import numpy as np
+
+from ..progress import ignore, stretch
+from ..rings import offsets_of, ranges, take
+from .features import Pieces, Problem, pieces
+from .hierarchy import Levels, hierarchy, levels
+from .parts import Parts, build_parts, merged_parts
+from .solve import Selection, select
+
+__all__ = ["NO_END", "Items", "Nested", "cuts", "items_of", "nest", "shapes"]
+
+# "Without end": every format stores it, a shapefile's 24 characters too
+NO_END = 1e9
+
+
+class Nested(NamedTuple):
+    """The levels of a chunk.
+
+    Attributes
+    ----------
+    selection, parts : Selection, Parts
+        The finest partition of the prepared polygons.
+    pieces : Pieces
+        The same, and what could not be solved.
+    persistence, rank : (s,) float, (s,) int
+        Of each selected edge; rank in its feature.
+    cuts : (s,) bool
+        Those to write.
+    levels : Levels
+        Of the finest parts.
+    tau : (f,) float
+        Where the levels of each feature begin.
+    ranges : dict
+        From and to which tau there is the only level of a feature that is wanted, by feature.
+    missed : int
+        Features that have no level with so many parts.
+    """
+
+    selection: Selection
+    parts: Parts
+    pieces: Pieces
+    persistence: np.ndarray
+    rank: np.ndarray
+    cuts: np.ndarray
+    levels: Levels
+    tau: np.ndarray
+    ranges: dict
+    missed: int
+
+
+def nest(
+    problem: Problem, tau: np.ndarray, count: np.ndarray | None = None, check: Callable = ignore
+) -> Nested:
+    """Solve a chunk and order its cuts.
+
+    Parameters
+    ----------
+    problem : Problem
+        Features with a tau or a number of parts that cannot be are refused.
+    tau : (f,) float
+        Where the levels of each feature begin.
+    count : (f,) float, optional
+        The number of parts of the only level that is wanted; NaN for all levels.
+    check : callable, optional
+        Called now and then; may raise `Cancelled`.
+
+    Returns
+    -------
+    Nested
+    """
+    prepared, features = problem.prepared, problem.chunk.features
+    bad = ~((tau >= 1.0) & (tau < NO_END))
+    for f in np.flatnonzero(bad).tolist():
+        problem.refuse(f, f"tau must be a number from 1 to below {NO_END:g}, and is {tau[f]:g}")
+    tau = np.where(bad, 1.0, tau)
+    wanted = np.full(len(features), np.nan)
+    if count is not None:
+        wanted = np.array(count, dtype=float)
+        bad = (wanted < 1.0) | (wanted != np.floor(wanted)) & ~np.isnan(wanted) | np.isinf(wanted)
+        for f in np.flatnonzero(bad).tolist():
+            problem.refuse(f, f"PARTS must be a whole number of at least 1, and is {wanted[f]:g}")
+            wanted[f] = np.nan
+
+    selection = select(
+        prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False
+    )
+    found = hierarchy(prepared, selection, stretch(check, 0.2, 1.0))
+    selected, tree = selection.selected, selection.carved.tree
+    parts = build_parts(
+        prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area
+    )
+
+    owner = prepared.owner[selected]
+    feature = problem.owner[owner]
+    # the finest level has all cuts, though in another T one may turn out not to be needed
+    persistence = np.clip(found.persistence, np.nextafter(tau[feature], np.inf), NO_END)
+    by_rank = np.lexsort((found.rank, owner, -persistence, feature))
+    cuts = problem.verdict[prepared.polygons.number[owner]] == ""
+    by_rank = by_rank[cuts[by_rank]]
+    rank = np.zeros(len(selected), dtype=np.int64)
+    first = np.searchsorted(feature[by_rank], np.arange(len(features) + 1))
+    rank[by_rank] = np.arange(len(by_rank)) - first[feature[by_rank]] + 1
+
+    # a cut that goes at once parts nothing; one that never goes parts all levels
+    goes = np.where(cuts, np.where(persistence < NO_END, persistence, np.inf), 0.0)
+    spans: dict[int, tuple[float, float]] = {}
+    missed = 0
+    in_tree = np.isin(selected, tree)
+    polygons = np.bincount(problem.chunk.owner, minlength=len(features))
+    for f in np.flatnonzero(wanted >= 1.0).tolist():
+        own = by_rank[first[f]:first[f + 1]]
+        own = own[~in_tree[own]]
+        kept = int(min(max(wanted[f] - polygons[f], 0), len(own)))
+        missed += int(polygons[f] > 0 and polygons[f] + kept != wanted[f])
+        goes[own[:kept]], goes[own[kept:]] = np.inf, 0.0
+        cuts[own[kept:]] = False
+        spans[f] = (
+            float(persistence[own[kept]]) if kept < len(own) else float(tau[f]),
+            float(persistence[own[kept - 1]]) if kept else NO_END,
+        )
+    part_polygon = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
+    return Nested(
+        selection=selection,
+        parts=parts,
+        pieces=pieces(problem, parts),
+        persistence=persistence,
+        rank=rank,
+        cuts=cuts,
+        levels=levels(
+            found._replace(persistence=goes), parts.sides, len(part_polygon),
+            tau[problem.owner[part_polygon]],
+        ),
+        tau=tau,
+        ranges=spans,
+        missed=missed,
+    )
+
+
+class Items(NamedTuple):
+    """What to write of a chunk, by feature, level and size; arrays with an entry for each.
+
+    Attributes
+    ----------
+    feature, number, parent, level : int
+        The parent 0 for none.
+    from_tau, to_tau, area : float
+    part : int
+        The part in the levels; -1 for a polygon that could not be solved.
+    whole : int
+        The polygon of the chunk that it is all of; -1 where it is not.
+    """
+
+    feature: np.ndarray
+    number: np.ndarray
+    parent: np.ndarray
+    level: np.ndarray
+    from_tau: np.ndarray
+    to_tau: np.ndarray
+    area: np.ndarray
+    part: np.ndarray
+    whole: np.ndarray
+
+
+def items_of(problem: Problem, nested: Nested) -> Items:
+    """List the parts of all levels of a chunk, and the polygons that could not be solved."""
+    prepared, made, parts = problem.prepared, nested.levels, nested.parts
+    count = len(parts.area)
+    of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
+    area = np.append(0.0, np.cumsum(parts.area[made.leaf]))
+    area = area[made.last] - area[made.first]
+    area[:count] = parts.area
+    polygon = of_part[made.leaf[made.first]]
+    number = prepared.polygons.number[polygon]
+    shown = np.flatnonzero((made.from_tau < made.to_tau) & (problem.verdict[number] == ""))
+    # those that could not be solved
+    left = np.flatnonzero(problem.verdict != "")
+    of_piece = problem.verdict[nested.pieces.polygon] != ""
+    left_area = np.zeros(len(problem.verdict))
+    left_area[nested.pieces.polygon[of_piece]] = nested.pieces.area[of_piece]
+
+    part = np.append(shown, np.full(len(left), -1))
+    all_of_it = (made.last - made.first == np.diff(parts.part_offsets)[polygon])[shown]
+    whole = np.append(np.where(all_of_it, number[shown], -1), left)
+    area = np.append(area[shown], left_area[left])
+    feature = problem.chunk.owner[np.append(number[shown], left)]
+    from_tau = np.append(made.from_tau[shown], nested.tau[problem.chunk.owner[left]])
+    to_tau = np.append(np.minimum(made.to_tau[shown], NO_END), np.full(len(left), NO_END))
+    order = np.lexsort((part, -area, from_tau, feature))
+    part, whole, area, feature, from_tau, to_tau = (
+        x[order] for x in (part, whole, area, feature, from_tau, to_tau)
+    )
+
+    new_feature = np.diff(feature, prepend=-1) != 0
+    first = np.maximum.accumulate(np.where(new_feature, np.arange(len(order)), 0))
+    place = np.arange(len(order)) - first + 1
+    steps = np.cumsum((np.diff(from_tau, prepend=0.0) != 0) & ~new_feature)
+    place_of = np.zeros(len(made.parent) + 1, dtype=np.int64)  # the last one is for no parent
+    place_of[part[part >= 0]] = place[part >= 0]
+    parent = np.append(made.parent, -1)[part]
+    for f, (least, most) in nested.ranges.items():
+        from_tau[feature == f], to_tau[feature == f] = least, most
+    return Items(
+        feature, place, place_of[parent], steps - steps[first], from_tau, to_tau, area, part, whole
+    )
+
+
+def cuts(problem: Problem, nested: Nested) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+    """Return the feature of each cut, the candidate that it is, and what is told of it, by feature and rank.
+
+    The fields are length, detour (infinite where only a cut connects the ends), persistence and rank.
+    """
+    prepared, selected = problem.prepared, nested.selection.selected
+    which = np.flatnonzero(nested.cuts)
+    feature = problem.owner[prepared.owner[selected[which]]]
+    order = np.lexsort((nested.rank[which], feature))
+    which, feature = which[order], feature[order]
+    edges = selected[which]
+    return feature, edges, {
+        "length": prepared.chord[edges], "detour": prepared.detour[edges],
+        "persistence": nested.persistence[which], "rank": nested.rank[which],
+    }
+
+
+def shapes(problem: Problem, nested: Nested, items: Items, polygons: Callable[..., Iterator]) -> Iterator:
+    """Yield the geometry of each item.
+
+    Parameters
+    ----------
+    problem, nested, items
+    polygons : callable
+        ``(which, rows, offsets, ring_offsets)`` to the geometries of the items ``which``.
+    """
+    chunk, made, parts = problem.chunk, nested.levels, nested.parts
+    rings, carved = chunk.rings, nested.selection.carved
+
+    def taken(which, groups, rows, offsets, ring_offsets):
+        ring, ring_offsets = take(ring_offsets, groups)
+        row, offsets = take(offsets, ring)
+        return polygons(which, rows[row], offsets, ring_offsets)
+
+    def unions(which):
+        own = items.part[which]
+        size = made.last[own] - made.first[own]
+        lo = 0
+        for rows, offsets, ring_offsets in merged_parts(
+            problem.prepared.polygons, carved.walk, nested.selection.selected, carved.tree, parts,
+            made.leaf[ranges(made.first[own], size)], offsets_of(size),
+        ):
+            hi = lo + len(ring_offsets) - 1
+            yield from polygons(which[lo:hi], rows, offsets, ring_offsets)
+            lo = hi
+
+    kind = np.where(items.whole >= 0, 0, np.where(items.part < len(parts.area), 1, 2))
+    whole, finest, merged = (np.flatnonzero(kind == k) for k in range(3))
+    of_kind = (
+        taken(whole, items.whole[whole], np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets),
+        taken(finest, items.part[finest], parts.rows, parts.offsets, parts.ring_offsets),
+        unions(merged),
+    )
+    for k in kind.tolist():
+        yield next(of_kind[k])
