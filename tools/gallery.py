@@ -1,9 +1,10 @@
 """Make the maps of docs/gallery.md, and measure what its text says of them.
 
-    ./run docs gallery [NAME ...] [--data FOLDER]
+    ./run docs gallery [NAME ...] [--data FOLDER] [--note]
 
-Without names, all of them. Layers go to build/gallery, pictures to docs/pictures, numbers and commands
-to docs/measured/gallery.json, from where `tools/measured.py` takes them into the page. Seconds are those
+Without names, all of them. Layers and pictures go to build/gallery, and the numbers are printed. With --note
+pictures go to docs/pictures, and numbers and commands to docs/measured/gallery.json, from where
+`tools/measured.py` takes them into the page. Seconds are those
 of the processor for the tool with its layers read and written, on one core, without QGIS's start.
 
 Most maps are made of what QGIS ships or the repository has. A few need more, and are skipped where it
@@ -12,11 +13,13 @@ in FOLDER (or ISTHMUS_DATA), which are no part of the project.
 """
 
 import argparse
+import json
 import os
 import sys
 from collections import Counter
 from pathlib import Path
 
+import maps
 import numpy as np
 import shapely
 from maps import (
@@ -595,18 +598,28 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("names", nargs="*", metavar="NAME", help=", ".join(MAPS))
     arguments.add_argument("--data", type=Path, default=os.environ.get("ISTHMUS_DATA"))
+    arguments.add_argument("--note", action="store_true", help="record pictures and numbers in docs")
     asked = arguments.parse_args()
     unknown = set(asked.names) - set(MAPS)
     if unknown:
         arguments.error(f"there is no map {', '.join(sorted(unknown))}; there are {', '.join(MAPS)}")
     DATA = asked.data and Path(asked.data)
+    if not asked.note:
+        maps.PICTURES = BUILD
     application = start()
     for name in asked.names or MAPS:
         print(name, flush=True)
         try:
-            note("gallery", {name: MAPS[name]()})
+            found = MAPS[name]()
         except Skip as reason:
             print(f"  skipped: {reason}")
+            continue
+        if asked.note:
+            note("gallery", {name: found})
+        else:
+            print(json.dumps(found, indent=1, ensure_ascii=False))
+    if not asked.note:
+        print(f"pictures and layers: {BUILD}; to record them in docs, add --note")
     stop(application)
 
 

@@ -1,5 +1,6 @@
 """The tool ``isthmus:prepareaggregation``."""
 
+from functools import partial
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -21,7 +22,7 @@ from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool
+from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool, report_short
 from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
 
@@ -38,7 +39,8 @@ merged again.</p>
 <h3>What the map should be like</h3>
 <p>The areas should fill the map without overlaps and gaps; what is found of these is counted and
 reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the
-other. No vertex is moved or added, so what neighbours share they still share. An area that
+other. No vertex is moved, and none is added unless you ask for it: then neighbours get it too. So what
+neighbours share they still share. An area that
 cannot be cut (invalid, for one) passes through in one piece, with the reason in <i>status</i>.</p>
 <h3>Method</h3>
 <p>J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation,
@@ -110,6 +112,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
         self.add_places(ANY, 0.0)
+        self.add_new_vertices(
+            "Only those where a cut ends are added, with Z and M interpolated. Neighbours get the same "
+            "vertices, so that shared boundaries stay shared."
+        )
         add(
             QgsProcessingParameterFeatureSink(
                 self.OUTPUT, "Pieces", QgsProcessing.SourceType.TypeVectorPolygon
@@ -155,10 +161,10 @@ class PrepareAggregationAlgorithm(PartitionTool):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
         import numpy as np
 
-        from ...core.aggregation.areas import arrange, joined_rings, neighbours
-        from ...core.aggregation.coverage import faults
+        from ...core.aggregation.areas import arrange, joined_rings, neighbours, rows_of
+        from ...core.aggregation.coverage import faults, with_shared_vertices
         from ...core.errors import Cancelled
-        from ...core.partition.features import pieces, weigh_by_length
+        from ...core.partition.features import pieces, weigh_by_length, without_vertex
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
@@ -178,12 +184,13 @@ class PrepareAggregationAlgorithm(PartitionTool):
             natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
             floors=self.floors(parameters, context, source),
             lines=None,
+            new_vertices=self.parameterAsBoolean(parameters, self.NEW_VERTICES, context),
             weigh=weigh_by_length if objective == BY_LENGTH else None,
             all_dilations=False,
         )
 
         check = checker(reader.progress, feedback.isCanceled)
-        kept, cut, classless = [], [], 0  # areas, and their pieces chunk by chunk
+        kept, cut, classless, short = [], [], 0, 0  # areas, and their pieces chunk by chunk
         try:
             for features in reader.chunks():
                 for feature in features:
@@ -197,20 +204,21 @@ class PrepareAggregationAlgorithm(PartitionTool):
                         problem.prepared, tau, weight=problem.weight, check=check,
                         with_dilation=False,
                     )
+                    short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
                     parts = finish(problem.prepared, selection, check=check).parts
                     found = pieces(problem, parts)
+                    coords = problem.chunk.rings.coords
                     cut.append((
                         chunk.owner[found.polygon] + len(kept),
                         problem.verdict[found.polygon],
-                        Rings(
-                            chunk.rings.coords[found.rows], found.offsets, found.ring_offsets
-                        ),
+                        Rings(coords[found.rows], found.offsets, found.ring_offsets),
+                        found.rows >= len(chunk.rings.coords),
                     ))
                     kept += chunk.features
         except Cancelled:
             return {}
-        area = np.concatenate([np.empty(0, dtype=np.int64)] + [number for number, _, _ in cut])
-        status = np.concatenate([np.empty(0, dtype=object)] + [verdict for _, verdict, _ in cut])
+        area = np.concatenate([np.empty(0, dtype=np.int64)] + [number for number, *_ in cut])
+        status = np.concatenate([np.empty(0, dtype=object)] + [verdict for _, verdict, *_ in cut])
         of_area = offsets_of(np.bincount(area, minlength=len(kept))).tolist()
         skipped = 0
         for number, feature in enumerate(kept):
@@ -223,10 +231,17 @@ class PrepareAggregationAlgorithm(PartitionTool):
             return {}
 
         feedback.setProgressText("Finding shared boundaries")
-        rings = joined_rings([own for _, _, own in cut])
-        found = arrange(  # piece by piece
-            range(len(area)), rings, np.arange(len(area)), settings.measure, layer.metres_of(crs)
+        rings = joined_rings([own for _, _, own, _ in cut])
+        pieces_of = partial(
+            arrange, range(len(area)), owner=np.arange(len(area)), measure=settings.measure,
+            metre=layer.metres_of(crs),
         )
+        found = pieces_of(rings)
+        is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
+        grown = np.zeros(len(area), dtype=bool)
+        if is_new.any():
+            rings, grown = with_shared_vertices(rings, is_new, found.coverage, rows_of(found, rings))
+            found = pieces_of(rings)
         geometries = wkb.polygon_geometries(
             rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
             [wkb.dimensions(reader.wkb_type)] * len(area), multi,
@@ -235,7 +250,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
             zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)
         ):
             feature = kept[number]
-            if reason and of_area[number + 1] - of_area[number] == 1:
+            if reason and of_area[number + 1] - of_area[number] == 1 and not grown[k]:
                 # as it came, even with a ring that is not closed
                 own = feature.geometry()
                 if not QgsWkbTypes.isCurvedType(own.wkbType()):
@@ -263,6 +278,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
         overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
         _report(feedback, kept, overlaps, wrong.gaps, classless)
+        report_short(feedback, short)
         return {
             self.AREA_COUNT: len(kept),
             self.PIECE_COUNT: len(area) + len(empty),

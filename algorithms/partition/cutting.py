@@ -6,7 +6,9 @@ import sys
 from qgis.core import (
     NULL,
     QgsExpressionContext,
+    QgsFeatureRequest,
     QgsProcessing,
+    QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
     QgsProcessingParameterFeatureSink,
@@ -25,7 +27,7 @@ from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import slow_engine_note
 from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
-from ..layers.source import Reader
+from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .candidate_lines import CandidateLines
@@ -66,6 +68,7 @@ class PartitionTool(IsthmusAlgorithm):
     MIN_LENGTH = "MIN_LENGTH"
     MIN_HOLE = "MIN_HOLE"
     CANDIDATES = "CANDIDATES"
+    NEW_VERTICES = "NEW_VERTICES"
     MAX_GAP = "MAX_GAP"
 
     def add_input(self):
@@ -181,6 +184,22 @@ class PartitionTool(IsthmusAlgorithm):
             "reported with its id; where two cross, the shorter one is used.",
             advanced=True,
         )
+        self.add_new_vertices(
+            "Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays "
+            "as it is. Neighbours in the layer do not get them. No effect where you give lines to choose "
+            "from."
+        )
+
+    def add_new_vertices(self, more):
+        self.add(
+            QgsProcessingParameterBoolean(
+                self.NEW_VERTICES, "Cuts may end at new vertices on edges", False, True
+            ),
+            "Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, "
+            "a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. "
+            + more,
+            advanced=True,
+        )
 
     def add_max_gap(self):
         self.add(
@@ -249,6 +268,7 @@ class PartitionTool(IsthmusAlgorithm):
             natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
             floors=self.floors(parameters, context, source),
             lines=lines,
+            new_vertices=self.parameterAsBoolean(parameters, self.NEW_VERTICES, context),
             weigh=weigh,
             all_dilations=all_dilations,
         )
@@ -291,9 +311,10 @@ class CuttingTool(PartitionTool):
     LOWER_BOUND = "LOWER_BOUND"
 
     extra_fields = ()
+    in_place = False  # whether the parts take the place of the features of an editable layer
 
     def chooser(self, parameters, context, source, feedback):
-        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection."""
+        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection and each tau."""
         raise NotImplementedError
 
     def add_outputs(self):
@@ -306,6 +327,21 @@ class CuttingTool(PartitionTool):
             "number), status (empty, or why a polygon was not cut), cost and gap of the "
             f"solution of the feature (gap in per cent), and source (the id of the feature){more}.",
         )
+        if not self.in_place:  # there QGIS takes OUTPUT, and loads nothing else
+            self._add_lines()
+        self.add_numbers(
+            (
+                (self.PART_COUNT, "Number of parts"),
+                (self.CUT_COUNT, "Number of cuts"),
+                (self.CUT_LENGTH, "Total length of the cuts"),
+                (self.MAX_DILATION, "Largest dilation of a candidate"),
+                (self.SKIPPED_COUNT, "Number of features not solved"),
+                (self.COST, "Cost of all solutions"),
+                (self.LOWER_BOUND, "Proven lower bound of the cost"),
+            )
+        )
+
+    def _add_lines(self):
         self.add(
             QgsProcessingParameterFeatureSink(
                 self.CUTS, "Cuts", QgsProcessing.SourceType.TypeVectorLine, optional=True
@@ -326,19 +362,10 @@ class CuttingTool(PartitionTool):
             "Every candidate, with its detour before any cut, its dilation in the solution, and "
             "its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.",
         )
-        self.add_numbers(
-            (
-                (self.PART_COUNT, "Number of parts"),
-                (self.CUT_COUNT, "Number of cuts"),
-                (self.CUT_LENGTH, "Total length of the cuts"),
-                (self.MAX_DILATION, "Largest dilation of a candidate"),
-                (self.SKIPPED_COUNT, "Number of features not solved"),
-                (self.COST, "Cost of all solutions"),
-                (self.LOWER_BOUND, "Proven lower bound of the cost"),
-            )
-        )
 
     def processAlgorithm(self, parameters, context, feedback):
+        from ...core.partition.features import without_vertex
+
         source = self.source(parameters, context)
         reader = Reader(source, feedback)
         with Sinks(self, parameters, context, feedback) as sinks:
@@ -352,11 +379,14 @@ class CuttingTool(PartitionTool):
                 for features in reader.chunks():
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
-                        selection = choose(problem, stretch(check, 0.5, 0.7))
+                        selection, tau = choose(problem, stretch(check, 0.5, 0.7))
+                        writer.short += without_vertex(problem, selection, tau)
                         solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
                         writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
                 pass
+            if self.in_place and feedback.isCanceled():
+                writer.pass_on(source)
             if settings.lines:
                 settings.lines.report(feedback)
         writer.report(feedback)
@@ -393,8 +423,10 @@ class _Writer:
             fields, make_fields(PART_FIELDS + tool.extra_fields)
         )
         sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
-        self.with_cuts = sinks.open(tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False)
-        self.with_diagonals = sinks.open(
+        self.with_cuts = not tool.in_place and sinks.open(
+            tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False
+        )
+        self.with_diagonals = not tool.in_place and sinks.open(
             tool.DIAGONALS, make_fields(DIAGONAL_FIELDS), line_type, crs, False
         )
         self.numbers = {
@@ -406,7 +438,8 @@ class _Writer:
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
-        self.small, self.holes, self.rules = 0, 0, [0] * 5
+        self.small, self.holes, self.rules, self.short = 0, 0, [0] * 5, 0
+        self.done = 0  # features that are written as a whole
 
     def write(self, problem, solution, feedback, check):
         """Write the solution of a chunk, and tell what of it could not be solved."""
@@ -468,6 +501,7 @@ class _Writer:
                 part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
                 self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
                 self.numbers[tool.PART_COUNT] += 1
+                self.done += 1
                 continue
             for k in range(lo, hi):
                 part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, feature.id(), *more]
@@ -478,6 +512,15 @@ class _Writer:
                     of.pop()
                     geometry, line = next(rows)
                     self.sinks.add(name, geometry, [feature.id(), *line], origin)
+            self.done += 1
+
+    def pass_on(self, source):
+        """Write the features that a cancelled run has not come to as they are: QGIS deletes all of them."""
+        rest = [1, 1, "cancelled", NULL, NULL]
+        for k, feature in enumerate(source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)):
+            if k >= self.done:
+                more = [*rest, feature.id(), *[NULL] * len(self.tool.extra_fields)]
+                self.sinks.add(self.tool.OUTPUT, feature.geometry(), feature.attributes() + more)
 
     def _cuts(self, problem, solution, found):
         """Name of the layer; the feature of each cut, the last one first; geometries and values."""
@@ -531,6 +574,7 @@ class _Writer:
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
         report_rules(feedback, self.small, self.holes, self.rules)
+        report_short(feedback, self.short)
         if skipped:
             feedback.pushInfo(
                 f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
@@ -558,6 +602,15 @@ def report_rules(feedback, small, holes, rules):
     else:
         text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
     feedback.pushInfo(text)
+
+
+def report_short(feedback, short):
+    """Say at how many places a cut is missing for want of a vertex."""
+    if short:
+        feedback.pushInfo(
+            f"No vertex to end a cut at: {counted(short, 'place')}, edges opposite a concave corner, where "
+            "the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there."
+        )
 
 
 def _or_null(value):

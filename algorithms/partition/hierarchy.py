@@ -20,7 +20,7 @@ from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from .cutting import PartitionTool, report_rules
+from .cutting import PartitionTool, report_rules, report_short
 from .solving import prepare, read, reasons_of
 
 LEVEL_FIELDS = (
@@ -60,8 +60,8 @@ metres and square metres on the ellipsoid. The results stay in the CRS of the la
 <p>At each tau, the way along the outline and the cuts that are left is at most tau times as long as each
 possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no
 solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay.
-No vertex is moved or added. What cannot be split passes through unchanged, with the reason in the field
-<i>status</i>.</p>
+No vertex is moved, and none is added unless you ask for it. What cannot be split passes through
+unchanged, with the reason in the field <i>status</i>.</p>
 """
 
 
@@ -120,6 +120,10 @@ class HierarchyAlgorithm(PartitionTool):
             "set it for each feature; where it is empty, all levels are written.",
         )
         self.add_places()
+        self.add_new_vertices(
+            "Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels "
+            "without this cut do not have them. Neighbours in the layer do not get them."
+        )
         self.add(
             QgsProcessingParameterFeatureSink(
                 self.OUTPUT, "Parts of all levels", QgsProcessing.SourceType.TypeVectorPolygon
@@ -155,6 +159,7 @@ class HierarchyAlgorithm(PartitionTool):
     def processAlgorithm(self, parameters, context, feedback):
         import numpy as np
 
+        from ...core.partition.features import without_vertex
         from ...core.partition.nesting import nest
 
         source = self.source(parameters, context)
@@ -176,6 +181,7 @@ class HierarchyAlgorithm(PartitionTool):
                             for of in (tau_of, parts_of)
                         )
                         nested = nest(problem, tau, parts, stretch(check, 0.4, 0.8))
+                        writer.short += without_vertex(problem, nested.selection, nested.tau)
                         writer.write(problem, nested, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
                 pass
@@ -203,6 +209,7 @@ class _Writer:
         )
         self.numbers = dict.fromkeys((tool.PART_COUNT, tool.CUT_COUNT, tool.SKIPPED_COUNT), 0)
         self.most, self.missed, self.small, self.holes, self.rules = 0, 0, 0, 0, [0] * 5
+        self.short = 0
 
     def write(self, problem, nested, feedback, check):
         """Write the levels of a chunk, and tell what of it could not be solved."""
@@ -284,6 +291,7 @@ class _Writer:
             f"feature, made by {counted(numbers[tool.CUT_COUNT], 'cut')}."
         )
         report_rules(feedback, self.small, self.holes, self.rules)
+        report_short(feedback, self.short)
         if self.missed:
             feedback.pushInfo(
                 f"{counted(self.missed, 'feature')} cannot have so many or so few parts (PARTS), and got "

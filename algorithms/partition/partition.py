@@ -1,5 +1,7 @@
 """The tool ``isthmus:partition``."""
 
+from qgis.core import QgsProcessingAlgorithm, QgsVectorLayer, QgsWkbTypes
+
 from .cutting import CuttingTool
 
 HELP = """
@@ -8,7 +10,8 @@ continent, a bay from its sea.</p>
 <p>You set one number, the <i>largest detour</i> (tau). Two points on opposite sides of a neck are
 close to each other, but the way along the outline is long: many times longer than the straight
 line. The tool finds the smallest number of cuts that leaves no place with a detour above tau.
-Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.</p>
+Cuts join existing vertices: no vertex is moved, none is added unless you ask for it, and the parts fit
+together exactly.</p>
 <h3>Choosing tau</h3>
 <p>3 is a good start; smaller values cut more. <i>Detour trade-off curve</i> shows what each value
 costs, and <i>Hierarchy of natural parts</i> answers all of them at once.</p>
@@ -58,7 +61,16 @@ class PartitionAlgorithm(CuttingTool):
     def shortDescription(self):
         return "Cuts polygons at isthmuses, straits and necks into natural parts."
 
+    def flags(self):
+        return super().flags() | QgsProcessingAlgorithm.Flag.FlagSupportsInPlaceEdits
+
+    def supportInPlaceEdit(self, layer):
+        return isinstance(layer, QgsVectorLayer) and (
+            layer.geometryType() == QgsWkbTypes.GeometryType.PolygonGeometry
+        )
+
     def initAlgorithm(self, configuration=None):
+        self.in_place = bool((configuration or {}).get("IN_PLACE"))
         self.add_input()
         self.add_dynamic(
             self.TAU,
@@ -97,6 +109,6 @@ class PartitionAlgorithm(CuttingTool):
                     "cent between the cost and its proven lower bound, its limit of time or memory "
                     "being reached."
                 )
-            return selection
+            return selection, tau
 
         return choose

@@ -68,6 +68,8 @@ class PartitionBudgetAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
+        import numpy as np
+
         from ...core.partition.features import within_budget
 
         budget_of = self.dynamic(parameters, self.BUDGET, context, source)
@@ -82,7 +84,9 @@ class PartitionBudgetAlgorithm(CuttingTool):
                     f"Feature {features[f].id()}: a smaller detour than {dilation:.6g} may be "
                     "possible within the budget, which could be neither shown nor ruled out."
                 )
-            return selection
+            reached = np.ones(len(features))
+            np.maximum.at(reached, problem.owner, selection.dilation)
+            return selection, reached
 
         return choose
 

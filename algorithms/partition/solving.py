@@ -28,6 +28,8 @@ class Settings(NamedTuple):
     floors : dict
         The functions that give SMALLEST_PART, MIN_LENGTH and MIN_HOLE for a feature.
     lines : CandidateLines or None
+    new_vertices : bool
+        Whether cuts may end inside edges, at new vertices.
     weigh : callable or None
         ``(chunk, near, prepared)`` to the weights of the candidates, and {polygon of the chunk: why it has
         none}; None for MinSize. ``near`` has, for each polygon, the numbers of the lines given for it, or
@@ -39,6 +41,7 @@ class Settings(NamedTuple):
     natural: bool
     floors: dict
     lines: object
+    new_vertices: bool
     weigh: Callable
     all_dilations: bool
 
@@ -107,7 +110,7 @@ def prepare(chunk, settings, check=ignore):
     }
     return prepare(
         chunk, natural=settings.natural, lines=settings.lines and settings.lines.given,
-        weigh=settings.weigh, check=check, **floors,
+        new_vertices=settings.new_vertices, weigh=settings.weigh, check=check, **floors,
     )
 
 

@@ -24,7 +24,7 @@ from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.wkb import INTEGER, LONG, REAL
 from . import report
-from .cutting import BY_SIZE, PartitionTool
+from .cutting import BY_SIZE, PartitionTool, report_short
 from .solving import prepare, read
 
 FIELDS = (
@@ -158,11 +158,15 @@ class TradeoffAlgorithm(PartitionTool):
 
     def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
         """Write the steps of each feature; return the curves for the report, and the numbers."""
+        import numpy as np
+
         from ...core.partition.features import curves as follow
+        from ...core.partition.features import without_vertex
+        from ...core.partition.solve import select
         from ...core.partition.tradeoff import paying_steps
 
         name_of = self._names(sinks.parameters, sinks.context)
-        curves, count, skipped = [], 0, 0
+        curves, count, skipped, short = [], 0, 0, 0
         reader = Reader(source, feedback)
         check = checker(reader.progress, feedback.isCanceled)
         try:
@@ -170,6 +174,12 @@ class TradeoffAlgorithm(PartitionTool):
                 for chunk in read(features, settings, feedback):
                     problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
                     found = follow(problem, low, high, most, stretch(check, 0.3, 0.9))
+                    # where the curves end, by the fewest cuts
+                    end = np.array([
+                        max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found
+                    ])
+                    fewest = select(problem.prepared, end[problem.owner], with_dilation=False)
+                    short += without_vertex(problem, fewest, end)
                     for f, feature in enumerate(chunk.features):
                         check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
                         reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
@@ -205,6 +215,7 @@ class TradeoffAlgorithm(PartitionTool):
                         )
         except Cancelled:
             pass
+        report_short(feedback, short)
         return curves, {self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped}
 
     def _names(self, parameters, context):

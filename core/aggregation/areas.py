@@ -14,7 +14,8 @@ from ..rings import Rings, groups, offsets_of, take
 from .coverage import Coverage, centroids, cover, shapes, shared, spreads
 from .instance import Instance, build
 
-__all__ = ["Areas", "arrange", "invalid", "joined_rings", "neighbours", "piece_fields", "posed", "reasons_of"]
+__all__ = ["Areas", "arrange", "invalid", "joined_rings", "neighbours", "piece_fields", "posed", "reasons_of",
+           "rows_of"]
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
 LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
@@ -54,6 +55,16 @@ class Areas(NamedTuple):
     measure: Metric
 
 
+def rows_of(areas: Areas, rings: Rings) -> np.ndarray:
+    """Return the row in the rings that areas were arranged from, of each row of their coverage."""
+    return take(rings.offsets, _measured_rings(rings, areas.measured))[0]
+
+
+def _measured_rings(rings: Rings, measured: np.ndarray) -> np.ndarray:
+    """The rings that are in a coverage."""
+    return np.flatnonzero(measured[groups(rings.polygon_offsets)] & (np.diff(rings.offsets) > 0))
+
+
 def arrange(
     features: Sequence, rings: Rings, owner: np.ndarray, measure: Metric, metre: float = 1.0
 ) -> Areas:
@@ -77,7 +88,7 @@ def arrange(
     measured = np.ones(polygon_count, dtype=bool)
     measured[row_polygon[~(np.abs(rings.coords[:, :2]) <= FARTHEST).all(axis=1)]] = False
     ring_polygon = groups(rings.polygon_offsets)
-    some = np.flatnonzero(measured[ring_polygon] & (np.diff(rings.offsets) > 0))
+    some = _measured_rings(rings, measured)
     row, offsets = take(rings.offsets, some)
     coords = rings.coords[row]
     coverage = cover(coords, offsets, ring_polygon[some])

@@ -12,10 +12,12 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from ..rings import Rings, groups, offsets_of, signed_areas, take
 from ..rings import following as next_in_ring
-from ..rings import signed_areas
+from ..rings import shapes as shapes_of_rings
 
-__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads"]
+__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads",
+           "with_shared_vertices"]
 
 
 class Coverage(NamedTuple):
@@ -253,6 +255,86 @@ def shared(coverage, measure):
     count = int(pairs.max()) + 1
     key, group = np.unique(pairs[:, 0] * count + pairs[:, 1], return_inverse=True)
     return np.column_stack((key // count, key % count)), np.bincount(group.ravel(), weights=length)
+
+
+def with_shared_vertices(rings, is_new, coverage, row):
+    """Give new vertices on shared boundaries to the neighbours, so that these stay shared bit for bit.
+
+    Parameters
+    ----------
+    rings : core.rings.Rings
+    is_new : (k,) bool
+        The rows of new vertices, each on an edge that its polygon had.
+    coverage : Coverage
+        Of all or some of the polygons.
+    row : (k',) int
+        The row in ``rings`` of each of its rows.
+
+    Returns
+    -------
+    core.rings.Rings
+        Where two new vertices, or a new one and one that was there, are equal but for the tolerance, the
+        new one is moved to the other. What a new row of a neighbour has beside x and y is interpolated
+        between the ends of the edge.
+    changed : (p,) bool
+        The polygons that got vertices. One that would become invalid does not get any.
+
+    Notes
+    -----
+    O(k log k).
+
+    Examples
+    --------
+    >>> room, hall = [[0, 0], [2, 0], [4, 0], [4, 3], [0, 3.0]], [[0, -2], [4, -2], [4, 0], [0, 0.0]]
+    >>> rings = Rings(np.array(room + hall), np.array([0, 5, 9]), np.array([0, 1, 2]))
+    >>> coverage = cover(rings.coords, rings.offsets, np.array([0, 1]))
+    >>> made, changed = with_shared_vertices(rings, np.arange(9) == 1, coverage, np.arange(9))
+    >>> made.coords[5:].tolist(), changed
+    ([[0.0, -2.0], [4.0, -2.0], [4.0, 0.0], [2.0, 0.0], [0.0, 0.0]], array([False,  True]))
+    """
+    coords = rings.coords.copy()
+    begins = np.diff(coverage.edge, prepend=-1) != 0
+    whole = np.flatnonzero(begins)
+    label, of = coverage.tail[whole], row[coverage.row[whole]]
+    new = is_new[of]
+    # the row whose place all vertices with a label take: one that is not new, if there is one
+    order = np.lexsort((of, new, label))
+    first = np.diff(label[order], prepend=-1) != 0
+    chosen = np.full(len(coverage.xy), -1)
+    chosen[label[order[first]]] = of[order[first]]
+    coords[of[new], :2] = coords[chosen[label[new]], :2]
+    has_new = np.zeros(len(coverage.xy), dtype=bool)
+    has_new[label[new]] = True
+
+    piece = np.flatnonzero(~begins & has_new[coverage.tail])
+    edge, like = row[coverage.edge[piece]], chosen[coverage.tail[piece]]
+    after = next_in_ring(rings.offsets)
+    low, way = coords[edge], coords[after[edge]] - coords[edge]
+    share = ((coords[like, :2] - low[:, :2]) * way[:, :2]).sum(axis=1) / (way[:, :2] ** 2).sum(axis=1)
+    with np.errstate(all="ignore"):  # Z and M may be anything
+        more = low + share[:, None] * way
+        same = np.abs(more - coords[like]) <= 1e-9 * np.abs(coords[like])
+    more = np.where(same, coords[like], more)
+    more[:, :2] = coords[like, :2]
+    order = np.lexsort((share, edge))
+    edge, more = edge[order], more[order]
+    ring = groups(rings.offsets)[edge]
+    owner = groups(rings.polygon_offsets)[ring]
+    thin = groups(rings.polygon_offsets)[np.diff(rings.offsets) < 3]  # no polygon for GEOS
+    kept = ~np.isin(owner, thin)
+    while True:
+        edge, more, ring, owner = edge[kept], more[kept], ring[kept], owner[kept]
+        changed = np.zeros(len(rings.polygon_offsets) - 1, dtype=bool)
+        changed[owner] = True
+        size = np.diff(rings.offsets) + np.bincount(ring, minlength=len(rings.offsets) - 1)
+        made = Rings(np.insert(coords, edge + 1, more, axis=0), offsets_of(size), rings.polygon_offsets)
+        which = np.flatnonzero(changed)
+        index, polygon_offsets = take(made.polygon_offsets, which)
+        index, offsets = take(made.offsets, index)
+        valid = shapely.is_valid(shapes_of_rings(made.coords[index, :2], offsets, polygon_offsets))
+        if not len(which) or valid.all():
+            return made, changed
+        kept = ~np.isin(owner, which[~valid])
 
 
 def centroids(coverage, plane, count):

@@ -14,6 +14,7 @@ from ..metric import Metric
 from ..predicates import crossing
 from ..progress import ignore
 from ..rings import groups, shapes, signed_areas, take
+from .feet import Places, concave_places, large_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
 from .triangulation import diagonals, triangulate
@@ -126,10 +127,13 @@ class Diagonals(NamedTuple):
     edge_length : (c,) float or None
         Length of the polygon edge that leaves each corner, on the generalised outline; NaN at corners
         that are left out.
+    places : feet.Places
+        Where a cut could end inside an edge; the natural ones, if only these are wanted.
     """
 
     edges: np.ndarray
     verdict: np.ndarray
+    places: Places
     why: np.ndarray | None = None
     share: np.ndarray | None = None
     edge_length: np.ndarray | None = None
@@ -137,7 +141,8 @@ class Diagonals(NamedTuple):
 
 def from_triangulation(
     polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
-    smallest: np.ndarray | None = None, engine: str | None = None, check: Callable = ignore,
+    smallest: np.ndarray | None = None, only_natural: bool = False, engine: str | None = None,
+    check: Callable = ignore,
 ) -> Diagonals:
     """Find the diagonals of triangulations that do not touch the boundary components left out.
 
@@ -151,6 +156,8 @@ def from_triangulation(
         that a neck with an islet in it can still be cut beside the islet.
     smallest : (p,) float, optional
         Area of the smallest part of each polygon: asks which diagonals are natural (`natural.natural`).
+    only_natural : bool
+        Whether only these will be candidates; so are the places then.
     measure, engine, check
         See `triangulation.triangulate`.
 
@@ -175,19 +182,25 @@ def from_triangulation(
         back[number] = np.arange(len(number))
         triangles, vertex = back[triangles], vertex[number]
     edges = diagonals(rest, triangles)
+    position = measure.positions(rest.xy)
+    short = places(rest, triangles, position, measure)
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
-    found = Diagonals(vertex[edges], verdict)
+    found = Diagonals(vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]
         chosen = natural(
-            rest, edges, triangles, measure.positions(rest.xy), measure, smallest[own] / unit / unit
+            rest, edges, triangles, position, measure, smallest[own] / unit / unit
         )
+        good = large_places(rest, short, measure, smallest[own] / unit / unit)
+        if only_natural:
+            good &= concave_places(rest, short, chosen.outline)
+        short = Places(*(x[good] for x in short))
         edge_length = np.full(len(polygons.vertex), np.nan)
         edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
         found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
-    return found
+    return found._replace(places=short._replace(apex=vertex[short.apex], edge=corner[short.edge]))
 
 
 def _clear(polygons, free, edges):
@@ -242,7 +255,8 @@ def counted(
         counts = area * unit * unit >= min_hole[of_ring]
     counts[polygons.polygon_offsets[:-1]] = True
     # a corner inserted where a small hole touches an edge is a vertex of that hole alone
-    own = counts[polygons.ring_of_corner] & ~polygons.inserted
+    alone = np.bincount(polygons.vertex, minlength=len(polygons.xy))[polygons.vertex] == 1
+    own = counts[polygons.ring_of_corner] & (alone | ~polygons.inserted)
     attachable[:] = False
     attachable[polygons.vertex[own]] = True
     attachable |= (min_hole <= 0.0)[polygons.polygon_of_vertex]

@@ -23,7 +23,7 @@ from .solve import Partition, Prepared, Selection
 from .tradeoff import OverBudget, joint_solver, smallest_dilation, together, trade_off
 
 __all__ = ["Chunk", "GivenLines", "Pieces", "Problem", "by_feature", "curves", "cuts", "for_tau", "pieces",
-           "prepare", "within_budget"]
+           "prepare", "within_budget", "without_vertex"]
 
 # Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
 CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
@@ -47,7 +47,7 @@ class Chunk(NamedTuple):
     features : sequence
         The features themselves, as the caller has them.
     rings : Rings
-        All their polygons.
+        All their polygons. Behind the rows of the rings, ``coords`` may have new ones for the results.
     owner : (q,) int
         The feature of each polygon, as a place in ``features``.
     extra : sequence
@@ -201,6 +201,7 @@ def prepare(
     min_length: np.ndarray,
     min_hole: np.ndarray,
     lines: GivenLines | None = None,
+    new_vertices: bool = False,
     weigh: Callable | None = None,
     check: Callable = ignore,
 ) -> Problem:
@@ -218,6 +219,8 @@ def prepare(
         refused.
     lines : GivenLines, optional
         Candidates instead of the diagonals of a triangulation.
+    new_vertices : bool
+        See ``solve.prepare``; the chunk of the problem has their rows then.
     weigh : callable, optional
         ``(chunk, near, prepared)`` to the weights of the candidates, and {polygon of the chunk: why it has
         none}. ``near`` has, for each polygon, the numbers of the lines given for it, or is None. Without,
@@ -253,9 +256,13 @@ def prepare(
         min_length=floors[1],
         min_hole=floors[2],
         lines=None if lines is None or near is None else [lines.ends[own] for own in near],
+        new_vertices=new_vertices,
         measure=chunk.measure,
         check=check,
     )
+    if len(prepared.new_rows):
+        coords = np.concatenate((chunk.rings.coords, prepared.new_rows))
+        chunk = chunk._replace(rings=chunk.rings._replace(coords=coords))
     verdict = prepared.verdict.copy()
     if lines is not None and near is not None and prepared.lines is not None:
         for own, found in zip(near, prepared.lines):
@@ -413,6 +420,16 @@ def _trial(problem: Problem, check: Callable) -> dict[str, Any]:
         "weight": problem.weight, "max_gap": 0.0, "check": check,
         "time_limit": TRIAL_LIMIT * max(len(problem.owner), 1),
     }
+
+
+def without_vertex(problem: Problem, selection: Selection, tau: np.ndarray) -> int:
+    """Count the places where a cut is missing for want of a vertex (`solve.without_vertex`).
+
+    ``tau`` is that of each feature; one that is none counts nothing.
+    """
+    tau = np.where(tau >= 1.0, tau, np.inf)
+    found = solve.without_vertex(problem.prepared, selection, tau[problem.owner])
+    return int(by_feature(problem, found).sum())
 
 
 def by_feature(problem: Problem, values: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ from ..rings import following, groups, locate, offsets_of, previous, ranges, run
 from .polygon import Polygons
 
 __all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
-           "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens"]
+           "WIDER", "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
 RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
@@ -62,12 +62,15 @@ class Natural(NamedTuple):
     why : (k,) int8
         KEPT, or the rule that sets the diagonal aside: SMALL (part), STRAIGHT (outline at its ends),
         EVEN (width beside it), USED (its corners, by shorter cuts).
+    outline : Outline
+        The finest one.
     """
 
     kept: np.ndarray
     edge_length: np.ndarray
     share: np.ndarray
     why: np.ndarray
+    outline: Outline
 
 
 class Outline(NamedTuple):
@@ -176,7 +179,7 @@ def natural(
         polygons, outline, corner[order], length[order], plane, terms, area, smallest
     )
     why[large] = verdict
-    return Natural(why == KEPT, measured, share, why)
+    return Natural(why == KEPT, measured, share, why, outline)
 
 
 def _terms(plane, offsets):

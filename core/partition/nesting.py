@@ -176,9 +176,11 @@ def items_of(problem: Problem, nested: Nested) -> Items:
     prepared, made, parts = problem.prepared, nested.levels, nested.parts
     count = len(parts.area)
     of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
-    area = np.append(0.0, np.cumsum(parts.area[made.leaf]))
-    area = area[made.last] - area[made.first]
-    area[:count] = parts.area
+    summed = [*parts.area.tolist(), *[0.0] * (len(made.parent) - count)]
+    for k, whole_of in enumerate(made.parent.tolist()):  # comes after its pieces
+        if whole_of >= 0:
+            summed[whole_of] += summed[k]
+    area = np.array(summed)
     polygon = of_part[made.leaf[made.first]]
     number = prepared.polygons.number[polygon]
     shown = np.flatnonzero((made.from_tau < made.to_tau) & (problem.verdict[number] == ""))

@@ -14,19 +14,20 @@ import numpy as np
 from .. import metric
 from ..errors import Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, one_polygon, take
+from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, components, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
-from .min_size import LEAF, ROOT, SELF, Network, min_size, network, witness_lengths
+from .feet import Places, along_edges, with_feet
+from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
 from .polygon import Polygons, from_rings
 
-__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select"]
+__all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
 AMBIGUOUS = "the rings could not be connected (their touching is ambiguous)"
 
@@ -77,6 +78,11 @@ class Prepared(NamedTuple):
         What became of the lines given as candidates, for each input polygon (None where it is invalid).
     edge_line : (k,) int or None
         The line of each edge.
+    new_rows : (f, d) float
+        The rows from ``len(coords)`` on: new vertices inside edges, if these were asked for.
+    places : feet.Places or None
+        Where a cut was not possible for want of such a vertex, in the vertices and corners of the
+        polygons; None where that was not looked for.
     """
 
     polygons: Polygons
@@ -98,6 +104,8 @@ class Prepared(NamedTuple):
     carved: Carved
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
+    places: Places | None
 
     @property
     def edge_rows(self) -> np.ndarray:
@@ -193,7 +201,7 @@ class Partition(NamedTuple):
         SELF (in S), LEAF or ROOT: on which side the witness lies.
     parts : Parts
         Its ``sides`` belong to the edges with role SELF, in their order.
-    lines, edge_line
+    lines, edge_line, new_rows
         See `Prepared`.
     """
 
@@ -213,6 +221,7 @@ class Partition(NamedTuple):
     parts: Parts
     lines: list[Lines] | None
     edge_line: np.ndarray | None
+    new_rows: np.ndarray
 
 
 def partition(
@@ -225,6 +234,7 @@ def partition(
     min_length: float = 0.0,
     min_hole: float = 0.0,
     lines: np.ndarray | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     weigh: Callable | None = None,
@@ -257,6 +267,10 @@ def partition(
     lines : (l, 2, 2) float, optional
         Ends of the candidates to use instead of a triangulation's diagonals; those that are no
         diagonals are left out (see `candidates.from_lines`).
+    new_vertices : bool
+        Whether cuts may also end inside edges, at the foot of a perpendicular from a concave vertex
+        (see `feet.with_feet`). Those that a cut uses become vertices: rows of ``new_rows``. With lines
+        given it has no effect.
     measure : metric.Metric, optional
         Default: `metric.planar()`.
     engine : str, optional
@@ -303,6 +317,7 @@ def partition(
         min_length=min_length,
         min_hole=min_hole,
         lines=None if lines is None else [lines],
+        new_vertices=new_vertices,
         measure=measure,
         engine=engine,
         check=stretch(check, 0.0, 0.65),
@@ -335,6 +350,7 @@ def prepare(
     min_length: float | np.ndarray = 0.0,
     min_hole: float | np.ndarray = 0.0,
     lines: list | None = None,
+    new_vertices: bool = False,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     check: Callable = ignore,
@@ -350,7 +366,7 @@ def prepare(
         For all polygons or each; see `partition`.
     lines : list of (l, 2, 2) float, optional
         For each polygon the candidates to use; see `partition`.
-    measure, engine
+    new_vertices, measure, engine
         See `partition`.
     check : callable, optional
         Called with the share done; may raise `Cancelled`.
@@ -374,13 +390,21 @@ def prepare(
     generalise = lines is None and (natural or bool((smallest > 0.0).any()))
     check(0.15)
     component, wanted, attachable = _components(polygons, measure, min_hole)
+    new_rows, short = np.empty((0, rings.coords.shape[1])), None
+    if new_vertices and lines is None:
+        polygons, new_rows = with_feet(
+            polygons, rings, ~wanted[component],
+            smallest[polygons.number] / polygons.unit / polygons.unit,
+            measure=measure, engine=engine, check=check,
+        )
+        component, wanted, attachable = _components(polygons, measure, min_hole)
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
     accepted = None
     more: dict[str, np.ndarray] = {}  # what else belongs to the edges
     if lines is None:
         found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
-            smallest=smallest[polygons.number] if generalise else None,
+            smallest=smallest[polygons.number] if generalise else None, only_natural=natural,
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
@@ -390,6 +414,13 @@ def prepare(
             number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
             np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
             more["share"] = found.share
+        if len(new_rows):
+            chosen &= ~along_edges(polygons, edges)
+        elif not new_vertices:
+            short = found.places
+            owner = polygons.polygon_of_vertex[short.apex]
+            long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
+            short = Places(*(x[long] for x in short))
         verdict[polygons.number] = problem
     else:
         accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
@@ -400,7 +431,9 @@ def prepare(
 
     while True:
         if (problem != "").any():  # go on without the polygons that cannot be solved
-            polygons, edges, outline, more = _kept(polygons, problem == "", edges, outline, more)
+            good = problem == ""
+            short = _still(polygons, good, short)
+            polygons, edges, outline, more = _kept(polygons, good, edges, outline, more)
             component, wanted, attachable = _components(polygons, measure, min_hole)
         owner = polygons.polygon_of_vertex[edges[:, 0]]
         unit = polygons.unit[owner]
@@ -444,6 +477,8 @@ def prepare(
                 carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
                 edge_line=more.get("edge_line"),
+                new_rows=new_rows,
+                places=short,
             )
             carved, ambiguous = _carve(prepared, tree)
             if not ambiguous.any():
@@ -590,7 +625,81 @@ def finish(
         ),
         lines=prepared.lines,
         edge_line=prepared.edge_line,
+        new_rows=prepared.new_rows,
     )
+
+
+def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) -> np.ndarray:
+    """Count the edges where a cut is missing because there is no vertex to end at.
+
+    These are the edges of P with the foot of a perpendicular from the concave vertex opposite (that of the
+    triangle beside the edge, see `feet.places`), natural ones if the candidates are, for which the shortest
+    way in P and S is more than tau times as long as the perpendicular.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        Without new vertices.
+    selection : Selection
+    tau : (p,) float
+
+    Returns
+    -------
+    (p,) int
+        For each polygon; with holes, as far as ways around these are known from the polygon carved open:
+        never too few.
+
+    Notes
+    -----
+    O(n), but for a sort of n + 2 |S| integers. A place lies in a triangle, and so in one face of P and S;
+    by the triangle inequality the shortest way leads along the boundary of that face.
+
+    Examples
+    --------
+    >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> prepared = prepare(one_polygon(xy, [0, 7]))
+    >>> without_vertex(prepared, select(prepared, 4.0), np.array([4.0]))
+    array([1])
+    """
+    short, polygons, (tree, _, walk, _) = prepared.places, prepared.polygons, selection.carved
+    roots = len(polygons.unit)
+    if short is None or not len(short.edge):
+        return np.zeros(roots, dtype=np.int64)
+    cuts = selection.selected[~np.isin(selection.selected, tree)]
+    i, j = walk.i[cuts], walk.j[cuts]
+    faces = build_tree(walk.offsets, i, j)
+    below = np.empty(len(cuts), dtype=np.int64)
+    below[faces.diagonal] = np.arange(roots, roots + len(cuts))
+    # the half-edges along each face: the walk's own, and both sides of the cuts
+    m, step = len(walk.corner), _steps(prepared, walk, tree)
+    face = np.concatenate((faces.edge_face, faces.parent[below], below))
+    key = face * m + np.concatenate((np.arange(m), i, j))
+    order = np.argsort(key, kind="stable")
+    key, size = key[order], np.concatenate((step, prepared.length[cuts], prepared.length[cuts]))[order]
+    passed, around = running(size, offsets_of(np.bincount(face, minlength=roots + len(cuts))))
+
+    place = np.empty(len(polygons.vertex), dtype=np.int64)
+    on_edge = np.flatnonzero(walk.edge >= 0)
+    place[walk.edge[on_edge]] = on_edge
+    edge = place[short.edge]
+    own = faces.edge_face[edge]
+    foot = passed[np.searchsorted(key, own * m + edge)] + short.share * step[edge]
+    # the walk may pass a vertex several times, and touch several faces there
+    vertex = polygons.vertex[walk.corner]
+    by_vertex = np.argsort(vertex, kind="stable")
+    first = np.searchsorted(vertex[by_vertex], short.apex)
+    times = np.searchsorted(vertex[by_vertex], short.apex, side="right") - first
+    which = np.repeat(np.arange(len(edge)), times)
+    wanted = own[which] * m + by_vertex[ranges(first, times)]
+    at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    which, at = which[key[at] == wanted], at[key[at] == wanted]
+    way = np.abs(passed[at] - foot[which])
+    shortest = np.full(len(edge), np.inf)
+    np.minimum.at(shortest, which, np.minimum(way, around[own[which]] - way))
+    owner = polygons.polygon_of_vertex[short.apex]
+    length = short.length * polygons.unit[owner]
+    beyond = shortest > np.broadcast_to(tau, roots)[owner] * length * (1.0 + SLACK)
+    return np.bincount(owner[beyond], minlength=roots)
 
 
 def _salient(prepared, cut, tau, check):
@@ -657,6 +766,19 @@ def _kept(polygons, good, edges, outline, more):
     return polygons, number[edges[kept]], outline, {name: x[kept] for name, x in more.items()}
 
 
+def _still(polygons, good, short):
+    """The places in some of the polygons, by the numbers in these."""
+    if short is None:
+        return None
+    kept = good[polygons.polygon_of_vertex[short.apex]]
+    short = Places(*(x[kept] for x in short))
+    corner, vertex = (
+        np.cumsum(np.repeat(good, np.diff(offsets))) - 1
+        for offsets in (polygons.corner_offsets, polygons.vertex_offsets)
+    )
+    return short._replace(apex=vertex[short.apex], edge=corner[short.edge])
+
+
 def _metric(prepared, carved):
     """Lengths of the edges that keep the triangle inequality though the outline got shorter.
 
@@ -689,11 +811,17 @@ def _carve(prepared, tree):
     if ambiguous.any():
         return None, ambiguous
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    step = prepared.edge_length[walk.edge]
-    along_tree = walk.edge < 0
-    step[along_tree] = length[tree[-1 - walk.edge[along_tree]]]
+    step = _steps(prepared, walk, tree)
     dual = build_tree(walk.offsets, walk.i[free], walk.j[free])
     return Carved(tree, free, walk, network(dual, walk.offsets, step, length[free])), ambiguous
+
+
+def _steps(prepared, walk, tree):
+    """Lengths of the edges of walks."""
+    step = prepared.edge_length[walk.edge]
+    along_tree = walk.edge < 0
+    step[along_tree] = prepared.length[tree[-1 - walk.edge[along_tree]]]
+    return step
 
 
 def _graph(prepared, selected):

@@ -127,19 +127,19 @@ def test_frozen_names(tools):
     }
     numbers = "PART_COUNT CUT_COUNT CUT_LENGTH MAX_DILATION SKIPPED_COUNT COST LOWER_BOUND"
     assert names["isthmus:partition"] == (
-        "INPUT TAU OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES MAX_GAP OUTPUT CUTS DIAGONALS",
+        "INPUT TAU OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES NEW_VERTICES MAX_GAP OUTPUT CUTS DIAGONALS",
         f"OUTPUT CUTS DIAGONALS {numbers}",
     )
     assert names["isthmus:partitionbudget"] == (
-        "INPUT BUDGET OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT CUTS DIAGONALS",
+        "INPUT BUDGET OBJECTIVE WEIGHT PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES NEW_VERTICES OUTPUT CUTS DIAGONALS",
         f"OUTPUT CUTS DIAGONALS {numbers}",
     )
     assert names["isthmus:tradeoff"] == (
-        "INPUT OBJECTIVE WEIGHT TAU_MIN TAU_MAX STEPS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES OUTPUT REPORT",
+        "INPUT OBJECTIVE WEIGHT TAU_MIN TAU_MAX STEPS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE CANDIDATES NEW_VERTICES OUTPUT REPORT",
         "OUTPUT REPORT STEP_COUNT SKIPPED_COUNT",
     )
     assert names["isthmus:hierarchy"] == (
-        "INPUT TAU PARTS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE OUTPUT CUTS",
+        "INPUT TAU PARTS PLACES SMALLEST_PART MIN_LENGTH MIN_HOLE NEW_VERTICES OUTPUT CUTS",
         "OUTPUT CUTS PART_COUNT CUT_COUNT SKIPPED_COUNT",
     )
 
@@ -275,7 +275,8 @@ def test_requirements_ask_for_the_same_wheels():
     from isthmus.algorithms import dependencies
     from packaging.requirements import Requirement
 
-    lines = (line.split("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines())
+    text = "".join((ROOT / name).read_text() for name in ("requirements.txt", "tools/requirements-test.txt"))
+    lines = (line.split("#")[0].strip() for line in text.splitlines())
     wanted = {r.name: r.marker for r in map(Requirement, filter(None, lines))}
     machines = {
         "linux-x86_64": ("linux", "x86_64"), "linux-aarch64": ("linux", "aarch64"), "win-amd64": ("win32", "AMD64"),

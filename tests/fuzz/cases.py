@@ -45,7 +45,7 @@ class Case(NamedTuple):
     Attributes
     ----------
     tool : str
-        partition, partitionbudget or tradeoff.
+        partition, partitionbudget, tradeoff or hierarchy.
     parameters : dict
         Numbers and texts; {"expression": text} for a data-defined number.
     wkb_type : str
@@ -195,11 +195,11 @@ SMALL_KINDS = ["small_tour", "lattice_tour", "by_hand", "triangle_or_square", "s
 def cases(draw, largest=80, sinks=("memory",) * 6 + ("gpkg", "shp", "geojson"), cancels=True):
     """A whole case."""
     rare = draw(st.integers(0, 99))
-    tool = draw(st.sampled_from(["partition"] * 7 + ["partitionbudget"] * 2 + ["tradeoff"]))
+    tool = draw(st.sampled_from(["partition"] * 7 + ["partitionbudget"] * 2 + ["tradeoff", "hierarchy", "hierarchy"]))
     parameters = draw(_parameters(tool))
     fields = draw(_fields()) if rare < 30 else [("name", "String")]
     dear = tool == "tradeoff" or parameters.get("OBJECTIVE", "MinSize") != "MinSize"
-    with_lines = draw(usually) == 0
+    with_lines = draw(usually) == 0 and tool != "hierarchy"
     kinds = SMALL_KINDS if with_lines or (dear and draw(usually) < 7) else KINDS
     count = draw(st.integers(0 if rare == 99 else 1, largest // 3 if dear else largest))
     features = [
@@ -218,8 +218,8 @@ def cases(draw, largest=80, sinks=("memory",) * 6 + ("gpkg", "shp", "geojson"), 
         features=features,
         source=source,
         sink=draw(st.sampled_from(sinks)),
-        diagonals=tool != "tradeoff" and draw(usually) > 0,
-        twin=draw(usually) < 2 and source == "memory",
+        diagonals=tool not in ("tradeoff", "hierarchy") and draw(usually) > 0,
+        twin=draw(usually) < 2 and source == "memory" and tool != "hierarchy",
     )
     if with_lines:
         case = case._replace(lines=_lines(case, draw(st.integers(0, 2**32 - 1))))
@@ -248,13 +248,23 @@ def _parameters(draw, tool):
         p["BUDGET"] = draw(dynamic if draw(usually) == 0 else budgets)
         if rare == 0:
             p["BUDGET"] = draw(st.sampled_from([-1.0, math.nan, math.inf]))
+    elif tool == "hierarchy":
+        p["TAU"] = draw(dynamic if draw(usually) == 0 else st.sampled_from([1.0, 1.2, 1.5, 2.0, 4.0]))
+        if draw(usually) < 3:
+            p["PARTS"] = draw(st.sampled_from([1, 2, 3, 50]))
+        if rare == 0:
+            p["TAU"] = draw(st.sampled_from(BAD_TAUS))
     else:
         p["TAU_MIN"] = draw(st.sampled_from([1.0, 1.5, 4.0, 20.0]))
         p["TAU_MAX"] = draw(st.sampled_from([0.0, 0.0, 20.0, 1e300]))
         p["STEPS"] = draw(st.sampled_from([1, 2, 5, 50]))
         if rare == 0:
             p["TAU_MAX"] = draw(st.sampled_from([1.0, 0.5, math.nan]))
-    p["OBJECTIVE"] = draw(st.sampled_from(["MinSize"] * 5 + ["MinLength", "MinWeight"]))
+    # what is proven is proven for the paper's problem: natural places only choose other candidates
+    p["PLACES"] = draw(st.sampled_from(["Any"] * 3 + ["Natural"]))
+    p["SMALLEST_PART"] = draw(st.sampled_from([0.0] * 5 + [1.0, 20.0, 100.0]))
+    p["NEW_VERTICES"] = draw(st.sampled_from([False, False, True]))
+    p["OBJECTIVE"] = "MinSize" if tool == "hierarchy" else draw(st.sampled_from(["MinSize"] * 5 + ["MinLength", "MinWeight"]))
     if p["OBJECTIVE"] == "MinWeight":
         p["WEIGHT"] = draw(st.sampled_from(list(WEIGHTS)))
         if draw(usually) == 0:
@@ -478,8 +488,9 @@ def parameters_of(case, source, lines, folder):
         name: QgsProperty.fromExpression(value["expression"]) if isinstance(value, dict) else value
         for name, value in case.parameters.items()
     }
-    # what is proven is proven for the paper's problem: natural places only choose other candidates
-    p |= {"INPUT": source, "PLACES": "Any", "SMALLEST_PART": 0}
+    p = {"PLACES": "Any", "SMALLEST_PART": 0, **p, "INPUT": source}
+    if case.tool == "hierarchy":
+        del p["OBJECTIVE"]
     if lines is not None:
         p["CANDIDATES"] = lines
     names = ["OUTPUT"]

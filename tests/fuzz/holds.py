@@ -11,6 +11,7 @@ import traceback
 from collections import Counter, defaultdict
 from fractions import Fraction
 from html.parser import HTMLParser
+from typing import NamedTuple
 
 import brute_force
 import checker
@@ -24,16 +25,22 @@ from isthmus.core import metric
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9
-EXTRA = {"partition": 6, "partitionbudget": 7}  # fields of a part besides those of its feature
+EXTRA = {"partition": 6, "partitionbudget": 7, "hierarchy": 7}  # fields of a part besides those of its feature
 SOLVABLE_REASONS = (  # why a valid polygon may not be solved, and what must be so then
     ("tau must be a number", lambda case, polygon: isinstance(case.parameters.get("TAU"), dict)),
     ("the budget must be", lambda case, polygon: isinstance(case.parameters.get("BUDGET"), dict)),
     ("the budget of", lambda case, polygon: case.tool == "partitionbudget"),
     ("the weight of candidate", lambda case, polygon: case.parameters["OBJECTIVE"] == "MinWeight"),
     ("do not connect", lambda case, polygon: len(polygon) > 1 and (
-        case.lines is not None or case.parameters["MIN_HOLE"] > 0.0)),
+        case.lines is not None or case.parameters["MIN_HOLE"] > 0.0 or not plain(case))),
     ("could not be triangulated", lambda case, polygon: too_fine(polygon)),
 )  # fmt: skip
+
+
+def plain(case):
+    """Whether it is the paper's problem, with lengths of the outline as it is."""
+    p = case.parameters
+    return p.get("PLACES", "Any") == "Any" and not p.get("SMALLEST_PART", 0.0)
 
 
 class Counts(Counter):
@@ -62,6 +69,8 @@ def check(case, outcome, rng):
         return counts
     if case.tool == "tradeoff":
         check_tradeoff(case, outcome, features, counts, rng)
+    elif case.tool == "hierarchy":
+        check_hierarchy(case, outcome, features, counts, rng)
     else:
         answer = check_cutting(case, outcome, features, counts, rng)
         if case.twin and case.sink == "memory":
@@ -320,7 +329,8 @@ def check_numbers(case, outcome, parts, lines):
         rows = [line for some in lines["DIAGONALS"].values() for line in some]
         floor = case.parameters["MIN_LENGTH"]
         largest = max((d.more[0] for d in rows if d.length >= floor), default=1.0)
-        assert same(results["MAX_DILATION"], max(largest, 1.0)), "MAX_DILATION"
+        if plain(case):  # else an edge that only connects a hole may be no candidate whatever its length
+            assert same(results["MAX_DILATION"], max(largest, 1.0)), "MAX_DILATION"
         selected = Counter(_key(d) for d in rows if d.more[1] == "SELF")
         if not any(d.u[0] != d.u[0] for d in cuts):
             assert selected == Counter(map(_key, cuts)), "CUTS and DIAGONALS disagree"
@@ -391,15 +401,72 @@ def check_feature(case, feature, own, cuts, diagonals, counts, rng):
     good = [polygon for (polygon,) in good]
     counts["parts"] += len(good)
     counts["cuts"] += len(cuts)
-    check_rows(solved, good)
+    # a cut that only connects a hole is in no part's outline, and so is its end
+    feet = new_ends(case, solved, [line for line in cuts if line.more[0] != line.more[1]])
+    counts["new vertices"] += len(feet)
+    check_rows(solved, good, feet)
     for polygon in good:
         assert shapely.is_valid(_shape([_distinct(r[:, :2]) for r in polygon])), "a part is invalid"
-    check_tiling(solved, own, cuts)
+    extended = with_points(solved, feet)
+    if extended is None:
+        counts["features with polygons that share an edge with a new vertex"] += 1
+        return True
+    check_tiling(extended, own, cuts)
     check_order(case, feature, own, good)
     check_lengths(case, feature, cuts + (diagonals or []), rng)
-    if diagonals is not None:
-        check_dilations(case, feature, solved, own, cuts, diagonals, counts, rng)
+    # in degrees an edge is as long as its pieces between all new vertices, and below the least length nobody
+    # sees where these were
+    unseen = measured(case, feature) and case.parameters.get("NEW_VERTICES") and case.parameters["MIN_LENGTH"]
+    if diagonals is not None and plain(case) and not unseen:
+        solved = with_points(solved, new_ends(case, solved, diagonals))
+        if solved is not None:
+            check_dilations(case, feature, solved, own, cuts, diagonals, counts, rng)
     return True
+
+
+def new_ends(case, polygons, lines):
+    """Ends of lines that are no vertices: only where they may be."""
+    given = {_plus(row[:2]) for polygon in polygons for ring in polygon for row in ring.tolist()}
+    new = sorted({_plus(p) for line in lines for p in (line.u, line.v)} - given)
+    assert not new or case.parameters.get("NEW_VERTICES") and case.lines is None, "a new vertex"
+    return new
+
+
+def with_points(polygons, points):
+    """Polygons with points inserted into the nearest edge, which must be theirs but for rounding.
+
+    None where two edges are as near, those of polygons side by side: nobody can tell whose it is.
+    """
+    if not points:
+        return polygons
+    power = _scale([ring[:, :2] for polygon in polygons for ring in polygon])
+    places = defaultdict(list)
+    for point in points:
+        found, p = [], np.ldexp(point, power)
+        for i, polygon in enumerate(polygons):
+            for j, ring in enumerate(polygon):
+                a = np.ldexp(ring[:, :2], power)
+                way, to = np.roll(a, -1, axis=0) - a, p - a
+                length = (way * way).sum(axis=1)
+                share = np.divide((way * to).sum(axis=1), length, out=np.full(len(a), -1.0), where=length > 0.0)
+                off = np.hypot(*(to - share[:, None] * way).T)
+                off[(share <= 0.0) | (share >= 1.0)] = np.inf
+                k = int(off.argmin())
+                found.append((off[k], i, j, k, share[k]))
+        found.sort()
+        off, i, j, k, share = found[0]
+        size = max(np.abs(np.ldexp(ring[:, :2], power)).max() for ring in polygons[i])
+        assert off <= 1e-14 * size, f"a new vertex {point} is off its edge by {off}"
+        if len(found) > 1 and found[1][0] <= 1e-14 * size:
+            return None
+        places[i, j].append((k, share, point))
+    result = [[ring[:, :2] for ring in polygon] for polygon in polygons]
+    for (i, j), own in places.items():
+        own.sort()
+        result[i][j] = np.insert(
+            result[i][j], [k + 1 for k, _, _ in own], [point for _, _, point in own], axis=0
+        )
+    return result
 
 
 def check_passed_through(case, feature, own, counts):
@@ -443,7 +510,7 @@ def check_reason(case, polygon, ok, reason):
             f"a valid polygon was not solved: {reason}")
 
 
-def check_rows(solved, parts):
+def check_rows(solved, parts, new):
     """Parts have the input's rows, Z and M included, and all of them."""
     size, got = (min(r.shape[1] for polygon in p for r in polygon) for p in (solved, parts))
     assert size <= got, "Z or M was lost"
@@ -451,6 +518,11 @@ def check_rows(solved, parts):
         size = 2  # a file has the same ordinates for all: m may have moved behind z
     given = {row[:size].tobytes() for polygon in solved for ring in polygon for row in ring}
     used = {row[:size].tobytes() for polygon in parts for ring in polygon for row in ring}
+    if new:  # these are looked at by their places
+        more = {np.array(p).tobytes() for p in new}
+        added = {row for row in used - given if (np.frombuffer(row)[:2] + 0.0).tobytes() in more}
+        assert {(np.frombuffer(row)[:2] + 0.0).tobytes() for row in added} == more, "a new vertex was lost"
+        used -= added
     assert used <= given, "a coordinate was changed"
     assert given <= used, "a vertex was lost"
 
@@ -762,6 +834,92 @@ def check_optimal(case, feature, graph, lines, first, counts):
     assert least * (1 - slack) <= first.tau <= most * (1 + slack), (first.tau, least, most)
 
 
+# ---------------------------------------------------------------- the hierarchy
+
+
+def check_hierarchy(case, outcome, rows, counts, rng):
+    """Every level is a partition: valid parts that tile, by the cuts that are needed there."""
+    features = [Feature(row, outcome.source.crs()) for row in rows]
+    counts["polygons"] += sum(len(f.polygons) for f in features)
+    parts, cuts = defaultdict(list), defaultdict(list)
+    for row in outcome.layers["OUTPUT"].getFeatures():
+        *_, part, parent, level, low, high, source, status = row.attributes()
+        parts[source].append(Level(row.geometry(), part, parent, level, low, high, status))
+    fields = outcome.layers["CUTS"].fields()
+    for row in outcome.layers["CUTS"].getFeatures():
+        source, length, _, persistence, rank = row.attributes()[len(fields) - 5:]
+        ends = [(p.x(), p.y()) for p in row.geometry().vertices()]
+        cuts[source].append((rank, persistence, *map(_plus, ends)))
+    assert outcome.results["PART_COUNT"] == sum(map(len, parts.values()))
+    assert outcome.results["CUT_COUNT"] == sum(map(len, cuts.values()))
+    if case.sink not in ("memory", "gpkg") or len({f.id for f in features}) < len(features):
+        return
+    for feature in features:
+        own, lines = parts[feature.id], sorted(cuts[feature.id])
+        assert own, f"feature {feature.id} was lost"
+        bad = [p for p in own if p.status not in ("", NULL)]
+        if len(bad) == len(own):
+            assert not lines
+            for polygon, ok in zip(feature.polygons, feature.usable):
+                check_reason(case, polygon, ok, bad[0].status)
+            continue
+        if bad or not all(feature.usable):
+            continue  # which polygon is which is told by check_feature for the other tools
+        assert [rank for rank, *_ in lines] == list(range(1, len(lines) + 1)), "ranks"
+        assert all(a[1] >= b[1] for a, b in zip(lines, lines[1:])), "persistence falls with the rank"
+        if "PARTS" in case.parameters:  # one level, which ties of persistence may leave no time
+            check_level(case, feature.polygons, own, lines)
+            counts["levels"] += 1
+            continue
+        assert all(p.low < p.high for p in own), "a part that lives for no time"
+        tops = sorted({p.low for p in own})
+        for tau in tops if len(tops) <= 4 else sorted(rng.choice(tops, 4, replace=False).tolist()):
+            at = [p for p in own if p.low <= tau < p.high]
+            check_level(case, feature.polygons, at, [line for line in lines if line[1] > tau])
+            counts["levels"] += 1
+        counts["polygons solved"] += len(feature.polygons)
+        counts["cuts"] += len(lines)
+
+
+class Level(NamedTuple):
+    """A row of the hierarchy's OUTPUT."""
+
+    geometry: object
+    part: int
+    parent: object
+    level: int
+    low: float
+    high: float
+    status: object
+
+
+class Ends(NamedTuple):
+    """The ends of a cut."""
+
+    u: tuple
+    v: tuple
+
+
+def check_level(case, solved, own, cuts):
+    """Half-edges of the parts of one level: those of the polygons, and both sides of the cuts."""
+    actual = Counter()
+    for part in own:
+        (polygon,) = polygons_of(part.geometry)
+        assert shapely.is_valid(_shape([_distinct(r[:, :2]) for r in polygon])), "a part is invalid"
+        actual.update(half_edges(polygon))
+    lines = [Ends(u, v) for _, _, u, v in cuts if actual[u, v] or actual[v, u]]  # else it connects a hole
+    polygons = with_points(solved, new_ends(case, solved, lines))
+    if polygons is None:
+        return
+    expected = Counter(edge for polygon in polygons for edge in half_edges(polygon))
+    for u, v in lines:
+        expected[u, v] += 1
+        expected[v, u] += 1
+    if expected != actual:
+        points = np.unique(np.array([p for edge in expected | actual for p in edge]), axis=0)
+        assert split(expected, points) == split(actual, points), "the parts of a level do not tile"
+
+
 # ---------------------------------------------------------------- the trade-off curve
 
 
@@ -823,15 +981,16 @@ def check_steps(case, features, steps, low, counts):
     p = {k: v for k, v in case.parameters.items() if k not in ("TAU_MIN", "TAU_MAX", "STEPS")}
     p.update(TAU=1e18, MAX_GAP=100.0)
     other = run(case, tool="partition", parameters=p, sink="memory", diagonals=True, twin=False)
-    if other.error:
+    if other.error or not plain(case):
         return
     diagonals = _lines_by_source(other, "DIAGONALS")
     for feature in features:
         own = steps.get(feature.id)
         if own is None or len(feature.polygons) != 1 or sum(map(len, feature.polygons[0])) > 14:
             continue
-        graph = Graph(feature.polygons[0], measured(case, feature))
         lines = diagonals[feature.id]
+        polygons = with_points(feature.polygons, new_ends(case, feature.polygons, lines))
+        graph = Graph((polygons or feature.polygons)[0], measured(case, feature))
         if not feasible(graph, lines):
             continue
         edges = graph.edges(lines)
@@ -856,7 +1015,7 @@ def check_cancelled(case, outcome, features, counts):
     """What a cancelled run leaves must not look complete, nor be locked."""
     counts["cancelled runs"] += 1
     if case.sink == "memory":
-        if case.tool == "tradeoff":
+        if case.tool in ("tradeoff", "hierarchy"):
             return
         parts = [Part(f, EXTRA[case.tool]) for f in outcome.layers["OUTPUT"].getFeatures()]
         start = 0
