@@ -1,7 +1,8 @@
-"""The plugin that QGIS loads: it registers the Processing provider, and nothing else."""
+"""The plugin that QGIS loads: it registers the Processing provider and, in the window, a menu."""
 
 from qgis.core import QgsApplication
 
+from .algorithms import packages, words
 from .algorithms.provider import IsthmusProvider
 
 
@@ -10,7 +11,9 @@ class IsthmusPlugin:
 
     def __init__(self, iface):
         self.iface = iface
-        self.provider = None
+        self.provider = self.menu = None
+        self.translator = words.load_translation()
+        packages.activate()
 
     def initProcessing(self):
         """Register the provider; qgis_process calls this without `initGui`."""
@@ -18,11 +21,20 @@ class IsthmusPlugin:
         QgsApplication.processingRegistry().addProvider(self.provider)
 
     def initGui(self):
-        """Register the provider in the window."""
+        """Register the provider in the window, and add the menu."""
+        from .gui.menu import Menu
+
         self.initProcessing()
+        self.menu = Menu(self.iface)
 
     def unload(self):
-        """Take the provider out again."""
+        """Take the provider and the menu out again."""
+        if self.menu is not None:
+            self.menu.unload()
+            self.menu = None
         if self.provider is not None:
             QgsApplication.processingRegistry().removeProvider(self.provider)
             self.provider = None
+        if self.translator is not None:
+            QgsApplication.instance().removeTranslator(self.translator)
+            self.translator = None

@@ -3,6 +3,7 @@
 import functools
 import html
 import math
+import re
 from pathlib import Path
 
 from qgis.core import (
@@ -10,10 +11,12 @@ from qgis.core import (
     QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
+    QgsProcessingParameterEnum,
 )
 from qgis.PyQt.QtGui import QIcon
 
 from .dependencies import dependency_problem
+from .words import help_url, tr
 
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
@@ -38,6 +41,9 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         super().__init_subclass__(**options)
         if "processAlgorithm" in vars(cls):
             cls.processAlgorithm = _without_frames(cls.processAlgorithm)
+        for name in ("displayName", "shortDescription", "group"):
+            if name in vars(cls):
+                setattr(cls, name, _translated(getattr(cls, name)))
 
     def createInstance(self):
         return type(self)()
@@ -46,7 +52,10 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         return QIcon(ICON)
 
     def group(self):
-        return "Partition"
+        return tr("Partition")
+
+    def helpUrl(self):
+        return help_url(self.name())
 
     def groupId(self):
         return "partition"
@@ -57,10 +66,22 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
 
     def checkParameterValues(self, parameters, context):
         # qgis_process and scripts never ask canExecute
+        parameters = self.with_names(parameters)
         problem = dependency_problem() or self.parameter_problem(parameters, context)
         if problem:
             return False, problem
         return super().checkParameterValues(parameters, context)
+
+    def with_names(self, parameters):
+        """Return parameters in which a choice has its name, though its number was given.
+
+        QGIS takes the numbers of other tools' choices, but not of those that have names.
+        """
+        named = dict(parameters)
+        for definition in self.parameterDefinitions():
+            if isinstance(definition, QgsProcessingParameterEnum) and definition.name() in named:
+                named[definition.name()] = _name_of(named[definition.name()], definition.options())
+        return named
 
     def parameter_problem(self, parameters, context):
         """Return a sentence about a parameter that cannot be used, or ''."""
@@ -85,7 +106,8 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
 
     def add(self, parameter, help_text, advanced=False, decimals=None):
         """Add a parameter with its help; a number may say how many decimals its field shows."""
-        parameter.setHelp(help_text)
+        parameter.setDescription(tr(parameter.description()))
+        parameter.setHelp(tr(help_text))
         if decimals is not None:
             parameter.setMetadata({"widget_wrapper": {"decimals": decimals}})
         if advanced:
@@ -96,7 +118,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def add_numbers(self, labels):
         """Add the numbers that the tool returns, from (name, label) pairs."""
         for name, label in labels:
-            self.addOutput(QgsProcessingOutputNumber(name, label))
+            self.addOutput(QgsProcessingOutputNumber(name, tr(label)))
 
     def shortHelpString(self):
         # QGIS shows the help of a parameter in its tool-tip only, and takes each line for a paragraph
@@ -107,8 +129,9 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 for p in self.parameterDefinitions()
                 if p.isDestination() == wanted
             )
-            lists.append(f"<h3>{title}</h3>{items}")
-        return " ".join(self.help_text.replace("{lists}", "".join(lists)).split())
+            lists.append(f"<h3>{tr(title)}</h3>{items}")
+        text = "".join(tr(block) for block in help_blocks(self.help_text))
+        return " ".join(text.replace("{lists}", "".join(lists)).split())
 
     def source(self, parameters, context):
         """Return the layer INPUT."""
@@ -116,6 +139,31 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(parameters, self.INPUT))
         return source
+
+
+def help_blocks(text):
+    """Return the headings and paragraphs of a help text, each on one line: what is translated at once."""
+    return [" ".join(block.split()) for block in re.split(r"(?=<p>|<h3>|\{lists\})", text) if block.strip()]
+
+
+def _translated(method):
+    @functools.wraps(method)
+    def words(self):
+        return tr(method(self))
+
+    return words
+
+
+def _name_of(value, options):
+    """The name that a number stands for, given as a number or as its digits; anything else as it is."""
+    if isinstance(value, (list, tuple)):
+        return [_name_of(one, options) for one in value]
+    number = value
+    if isinstance(value, str) and value.isdecimal() and value not in options:
+        number = int(value)
+    if isinstance(number, int) and not isinstance(number, bool) and 0 <= number < len(options):
+        return options[number]
+    return value
 
 
 def _without_frames(process):
@@ -127,7 +175,7 @@ def _without_frames(process):
     @functools.wraps(process)
     def processAlgorithm(self, parameters, context, feedback):
         try:
-            return process(self, parameters, context, feedback)
+            return process(self, self.with_names(parameters), context, feedback)
         except QgsProcessingException as problem:
             message = str(problem)
         del self, parameters, context, feedback

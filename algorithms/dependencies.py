@@ -1,6 +1,8 @@
 """Python packages that QGIS may lack: what is missing, and which command installs it."""
 
+import importlib.util
 import platform
+import shutil
 import sys
 import sysconfig
 from pathlib import Path
@@ -67,16 +69,61 @@ def install_hint(numpy_version, packages=None):
     """
     remark = ""
     if packages is None:
-        packages = ['"shapely>=2.1"', *engines_with_wheels()[:1]]
+        # there is no shapely 2.1 for Python 3.9; with an engine 2.0 will do
+        shapely = '"shapely>=2.1"' if sys.version_info >= (3, 10) else '"shapely>=2.0"'
+        packages = [shapely, *engines_with_wheels()[:1]]
         if "triangle" in packages:
             remark = "triangle's licence does not allow commercial use: leave it out then; "
-    managed = Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists()
+    command = f'{" ".join(packages)} "numpy=={numpy_version}"'
+    if (Path(sys.prefix) / "conda-meta").is_dir():
+        first, user = "", ""
+    else:
+        first, user = _pip_first(), " --user"
+        if Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
+            user += " --break-system-packages"
+    where = " in the OSGeo4W Shell" if sys.platform == "win32" else " in a terminal"
     return (
-        "To install what is needed, run this (on Windows in the OSGeo4W Shell), then restart QGIS: "
-        f'python3 -m pip install --user {"--break-system-packages " * managed}'
-        f'{" ".join(packages)} "numpy=={numpy_version}"'
+        "In the window of QGIS, Plugins > Isthmus > Install packages does it. Or run this"
+        f"{where}, then restart QGIS: {first}{_shell_word(python_program())} -m pip install{user} {command}"
         f" ({remark}the last word keeps QGIS's own numpy)"
     )
+
+
+def python_program(executable=None, prefix=None, system=None):
+    """Return the program of the running Python; QGIS itself may be what ``sys.executable`` names.
+
+    Parameters
+    ----------
+    executable, prefix, system : str, optional
+        Instead of `sys.executable`, `sys.prefix` and `sys.platform`.
+    """
+    executable, system = Path(executable or sys.executable or "python3"), system or sys.platform
+    if executable.stem.lower().startswith("python"):
+        return str(executable)
+    prefix = Path(prefix or sys.prefix)
+    version = ".".join(map(str, sys.version_info[:2]))
+    names = ("python3.exe", "python.exe") if system == "win32" else (
+        f"bin/python{version}", "bin/python3", f"MacOS/bin/python{version}", "MacOS/bin/python3",
+    )
+    # QGIS.app/Contents/MacOS/QGIS has its Python beside it, or in Contents/Frameworks
+    for place in (prefix, executable.parent, *executable.parents[1:3]):
+        for name in names:
+            if (place / name).exists():
+                return str(place / name)
+    return "python" if system == "win32" else "python3"
+
+
+def _pip_first():
+    """What has to come before a command with pip, where QGIS's Python has none."""
+    if importlib.util.find_spec("pip"):
+        return ""
+    if shutil.which("apt-get"):
+        return "sudo apt install python3-pip && "
+    return f"{_shell_word(python_program())} -m ensurepip --user && "
+
+
+def _shell_word(path):
+    return f'"{path}"' if " " in path else path
 
 
 def slow_engine_note():

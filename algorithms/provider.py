@@ -13,6 +13,7 @@ from .partition.hierarchy import HierarchyAlgorithm
 from .partition.partition import PartitionAlgorithm
 from .partition.partition_budget import PartitionBudgetAlgorithm
 from .partition.tradeoff import TradeoffAlgorithm
+from .words import tr
 
 
 class IsthmusProvider(QgsProcessingProvider):
@@ -25,7 +26,7 @@ class IsthmusProvider(QgsProcessingProvider):
         return "Isthmus"
 
     def longName(self):
-        return "Isthmus: natural partitions of polygons"
+        return tr("Isthmus: natural partitions of polygons")
 
     def icon(self):
         return QIcon(ICON)

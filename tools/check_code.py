@@ -59,9 +59,12 @@ def annotation_faults(folder):
 
 def output(programs, folder, name, *arguments):
     """Return the lines that a program prints of its findings."""
-    done = subprocess.run([programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8")
+    try:
+        done = subprocess.run([programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8")
+    except OSError as error:
+        return [f"{name} does not start: {error}"]
     if done.returncode not in (0, 1):
-        raise RuntimeError(f"{name} failed: {done.stderr or done.stdout}")
+        return [f"{name} died with {done.returncode}: {(done.stderr or done.stdout)[-500:]}"]
     return done.stdout.splitlines() if done.returncode else []
 
 

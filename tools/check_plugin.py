@@ -21,6 +21,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import urlparse
 
 LARGEST = 25_000_000  # bytes
+ONE_BREATH = 500  # characters: what the plugin manager shows without scrolling
 REQUIRED = (
     "name", "description", "about", "version", "qgisMinimumVersion", "author", "email", "tracker",
     "repository",
@@ -155,6 +156,12 @@ def metadata_faults(metadata, files):
         rule(key, lambda text: text.lower() in ("true", "false", "yes", "no"), "is neither True nor False")
     for key in URLS:
         rule(key, is_url, "is no web address")
+    rule("homepage", lambda text: not is_root(text, metadata.get("repository", "")), "is the root of a repository")
+    rule("about", lambda text: len(text) <= ONE_BREATH and "\n" not in text, f"has more than {ONE_BREATH} characters")
+    if not metadata.get("changelog", "").strip():
+        found.append("metadata: changelog is missing or empty")
+    elif metadata.get("version", "") not in metadata["changelog"]:
+        found.append(f"metadata: changelog does not tell of version {metadata.get('version')}")
     low, high = metadata.get("qgisMinimumVersion", ""), metadata.get("qgisMaximumVersion", "")
     if is_version(low) and is_version(high) and numbers(low) > numbers(high):
         found.append(f"metadata: qgisMaximumVersion {high} is below qgisMinimumVersion {low}")
@@ -166,6 +173,14 @@ def metadata_faults(metadata, files):
 def numbers(version):
     """Return a version as a tuple, to be compared."""
     return tuple(map(int, version.split(".")))
+
+
+def is_root(text, repository):
+    """Return whether a web address is a repository's root, where there is no page for a user."""
+    parsed = urlparse(text)
+    parts = [part for part in parsed.path.split("/") if part]
+    forge = re.search(r"(^|\.)(github|gitlab|codeberg|bitbucket)\.(com|org)$", parsed.hostname or "")
+    return text.rstrip("/") == repository.rstrip("/") or bool(forge) and len(parts) <= 2 and not parsed.fragment
 
 
 def is_url(text):
@@ -204,6 +219,10 @@ def silent_urls(metadata):
     return found
 
 
+class Died(Exception):
+    """A scanner that has not come to its end, by name."""
+
+
 # --- the scan after the upload ----------------------------------------------------------------------------
 
 
@@ -218,11 +237,16 @@ def scan(folder, programs):
     """
 
     def output(name, *arguments, codes=(0, 1)):
-        done = subprocess.run(
-            [programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8"
-        )
+        try:
+            done = subprocess.run(
+                [programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8"
+            )
+        except OSError as error:
+            raise Died(f"{name} does not start: {error}") from error
+        if done.returncode < 0:
+            raise Died(f"{name} was ended by signal {-done.returncode}: {done.stderr[-500:]}")
         if done.returncode not in codes:
-            raise RuntimeError(f"{name} failed: {done.stderr or done.stdout}")
+            raise Died(f"{name} failed with {done.returncode}: {(done.stderr or done.stdout)[-500:]}")
         return done.stdout
 
     report = json.loads(output("bandit", "-r", ".", "-f", "json", "--quiet"))
@@ -263,7 +287,10 @@ def main():
         notes.append(f"{', '.join(URLS)}: answer not checked (no network; --online does)")
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(options.zip) as archive:
         archive.extractall(folder)
-        checks |= scan(folder, options.programs)
+        try:
+            checks |= scan(folder, options.programs)
+        except Died as problem:
+            checks["scanners"] = [str(problem)]
 
     for check, sentences in checks.items():
         print(f"{check}: {count(sentences)}")

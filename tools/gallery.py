@@ -1,9 +1,10 @@
 """Make the maps of docs/gallery.md, and measure what its text says of them.
 
-    ./run docs gallery [NAME ...] [--data FOLDER]
+    ./run docs gallery [NAME ...] [--data FOLDER] [--note]
 
-Without names, all of them. Layers go to build/gallery, pictures to docs/pictures, numbers and commands
-to docs/measured/gallery.json, from where `tools/measured.py` takes them into the page. Seconds are those
+Without names, all of them. Layers and pictures go to build/gallery, and the numbers are printed. With --note
+pictures go to docs/pictures, and numbers and commands to docs/measured/gallery.json, from where
+`tools/measured.py` takes them into the page. Seconds are those
 of the processor for the tool with its layers read and written, on one core, without QGIS's start.
 
 Most maps are made of what QGIS ships or the repository has. A few need more, and are skipped where it
@@ -12,10 +13,13 @@ in FOLDER (or ISTHMUS_DATA), which are no part of the project.
 """
 
 import argparse
+import json
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 
+import maps
 import numpy as np
 import shapely
 from maps import (
@@ -55,6 +59,11 @@ from qgis.core import (
 
 sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "tests"))
+import conftest  # noqa: E402, F401  (makes the package importable)
+
+from isthmus.core import metric  # noqa: E402
 
 DATA = None  # the folder with the other data sets
 MEDITERRANEAN = (-9.0, 29.5, 42.2, 47.6), (18.0, 35.0)  # a box, and a place in its water
@@ -108,6 +117,56 @@ def sea(name, box, inside):
 
 
 # --- The maps ---------------------------------------------------------------------------------------
+
+
+def countries():
+    """All countries of QGIS's world map, by every diagonal as it was by default, and by the default now."""
+    path = BUILD / "countries.gpkg"
+    countries = world()
+    names = [str(feature["iso_a2"]) for feature in countries.getFeatures()]
+    saved(path, list(shapes(countries)), name=names)
+    noted, panels, near = {}, [], []
+    for key, title, parameters in (
+        ("before", "Every diagonal, tau = 4", {"TAU": 4, **EVERY_DIAGONAL}),
+        ("after", "Natural places, by default", {}),
+    ):
+        done = run(
+            "isthmus:partition", INPUT=path, **parameters,
+            OUTPUT=BUILD / f"countries_{key}_parts.gpkg", CUTS=BUILD / f"countries_{key}_cuts.gpkg",
+        )  # fmt: skip
+        parts, cuts = opened(done.results["OUTPUT"]), opened(done.results["CUTS"])
+        noted[key] = {
+            "command": done.command, "cuts": done.results["CUT_COUNT"], "seconds": round(done.seconds, 1),
+            **crumbs(parts, cuts),
+        }  # fmt: skip
+        title = f"{title}: {noted[key]['cuts']:,} cuts"
+        for panel, frame, crs, width in (
+            (panels, (-17.0e6, -6.9e6, 17.0e6, 8.6e6), "ESRI:54030", 0.25),
+            (near, (2_450_000, 1_350_000, 6_050_000, 4_850_000), "EPSG:3035", 0.3),
+        ):
+            colours = LAND_PARTS if panel is near else [LAND] * len(LAND_PARTS)
+            panel.append(Panel(
+                [line(opened(done.results["CUTS"]), width=width), fill(world(), "transparent", "#77726a", 0.12),
+                 coloured(parts, cuts, colours, "transparent")],
+                frame, crs, title,
+            ))  # fmt: skip
+    noted["countries"] = len(names)
+    picture("countries", panels, width=1280)
+    picture("countries_europe", near)
+    return noted
+
+
+def crumbs(parts, cuts):
+    """The parts on both sides of a cut, and how many per cent of them are below 1 % of their feature."""
+    ground = metric.ellipsoidal()
+    beside = {(cut["source"], part) for cut in cuts.getFeatures() for part in (cut["part_a"], cut["part_b"])}
+    area, whole = {}, Counter()
+    for one in parts.getFeatures():
+        shape = shapely.from_wkb(bytes(one.geometry().asWkb()))
+        area[one["source"], one["part"]] = size = shapely.transform(shape, ground.equal_area).area
+        whole[one["source"]] += size
+    small = sum(area[key] < 0.01 * whole[key[0]] for key in beside)
+    return {"parts": len(beside), "crumbs": round(100 * small / len(beside), 1)}
 
 
 def western_europe():
@@ -528,7 +587,7 @@ def projected(polygons, crs):
 MAPS = {
     make.__name__: make
     for make in (
-        western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
+        countries, western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
         floor_plan, land_cover, focus_map,
     )
 }  # fmt: skip
@@ -539,18 +598,28 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("names", nargs="*", metavar="NAME", help=", ".join(MAPS))
     arguments.add_argument("--data", type=Path, default=os.environ.get("ISTHMUS_DATA"))
+    arguments.add_argument("--note", action="store_true", help="record pictures and numbers in docs")
     asked = arguments.parse_args()
     unknown = set(asked.names) - set(MAPS)
     if unknown:
         arguments.error(f"there is no map {', '.join(sorted(unknown))}; there are {', '.join(MAPS)}")
     DATA = asked.data and Path(asked.data)
+    if not asked.note:
+        maps.PICTURES = BUILD
     application = start()
     for name in asked.names or MAPS:
         print(name, flush=True)
         try:
-            note("gallery", {name: MAPS[name]()})
+            found = MAPS[name]()
         except Skip as reason:
             print(f"  skipped: {reason}")
+            continue
+        if asked.note:
+            note("gallery", {name: found})
+        else:
+            print(json.dumps(found, indent=1, ensure_ascii=False))
+    if not asked.note:
+        print(f"pictures and layers: {BUILD}; to record them in docs, add --note")
     stop(application)
 
 

@@ -249,20 +249,21 @@ def coloured(parts, cuts, colours, outline="#8a857b", width=0.12, least=0.0):
     """
     from collections import Counter, defaultdict
 
+    several = parts.fields().lookupField("source") >= 0
     geometries, keys = [], []
     for feature in parts.getFeatures():
         geometries.append(shapely.from_wkb(bytes(feature.geometry().asWkb())))
-        keys.append((feature["source"] if parts.fields().lookupField("source") >= 0 else 0,
-                     feature["part"]))
+        keys.append((feature["source"] if several else 0, feature["part"]))
     beside = defaultdict(set)
     for feature in cuts.getFeatures():
-        a, b = feature["part_a"], feature["part_b"]
+        source = feature["source"] if several else 0
+        a, b = (source, feature["part_a"]), (source, feature["part_b"])
         if a != b:
             beside[a].add(b)
             beside[b].add(a)
     chosen, used = {}, Counter()
     for k in np.argsort([-shape.area for shape in geometries]):
-        part = keys[k][1]
+        part = keys[k]
         near = {chosen.get(other) for other in beside[part]}
         # and not that of a neighbour's neighbour, if it can be helped
         far = {chosen.get(one) for other in beside[part] for one in beside[other]}
@@ -272,7 +273,7 @@ def coloured(parts, cuts, colours, outline="#8a857b", width=0.12, least=0.0):
         used[chosen[part]] += geometries[k].area
     layer = memory(
         "MultiPolygon" if any(g.geom_type == "MultiPolygon" for g in geometries) else "Polygon",
-        geometries, parts.crs().authid() or DEGREES, colour=[chosen[key[1]] for key in keys],
+        geometries, parts.crs().authid() or DEGREES, colour=[chosen[key] for key in keys],
     )  # fmt: skip
     layer.setCrs(parts.crs())
     return classes(layer, "colour", dict(enumerate(colours)), outline, width)

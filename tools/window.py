@@ -17,7 +17,9 @@ import traceback
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-TOOLS = ("partition", "partitionbudget", "tradeoff", "prepareaggregation", "aggregate", "focusmap")
+TOOLS = (
+    "partition", "partitionbudget", "tradeoff", "hierarchy", "prepareaggregation", "aggregate", "focusmap",
+)  # fmt: skip
 COUNTRIES = "iso_a2 IN ('AL','AT','BA','BG','GR','HR','HU','IT','ME','MK','RO','RS','SI','TR','XK')"
 # in metres and square metres, for the map's coordinates are degrees
 CUTTING = {"TAU": 3}

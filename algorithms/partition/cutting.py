@@ -6,6 +6,7 @@ import sys
 from qgis.core import (
     NULL,
     QgsExpressionContext,
+    QgsFeatureRequest,
     QgsProcessing,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
@@ -26,7 +27,7 @@ from ..base import LARGEST, IsthmusAlgorithm, counted
 from ..dependencies import slow_engine_note
 from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
-from ..layers.source import Reader
+from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from .candidate_lines import CandidateLines
@@ -310,6 +311,7 @@ class CuttingTool(PartitionTool):
     LOWER_BOUND = "LOWER_BOUND"
 
     extra_fields = ()
+    in_place = False  # whether the parts take the place of the features of an editable layer
 
     def chooser(self, parameters, context, source, feedback):
         """Return the function that chooses the cuts: ``(problem, check)`` to a Selection and each tau."""
@@ -325,6 +327,21 @@ class CuttingTool(PartitionTool):
             "number), status (empty, or why a polygon was not cut), cost and gap of the "
             f"solution of the feature (gap in per cent), and source (the id of the feature){more}.",
         )
+        if not self.in_place:  # there QGIS takes OUTPUT, and loads nothing else
+            self._add_lines()
+        self.add_numbers(
+            (
+                (self.PART_COUNT, "Number of parts"),
+                (self.CUT_COUNT, "Number of cuts"),
+                (self.CUT_LENGTH, "Total length of the cuts"),
+                (self.MAX_DILATION, "Largest dilation of a candidate"),
+                (self.SKIPPED_COUNT, "Number of features not solved"),
+                (self.COST, "Cost of all solutions"),
+                (self.LOWER_BOUND, "Proven lower bound of the cost"),
+            )
+        )
+
+    def _add_lines(self):
         self.add(
             QgsProcessingParameterFeatureSink(
                 self.CUTS, "Cuts", QgsProcessing.SourceType.TypeVectorLine, optional=True
@@ -344,17 +361,6 @@ class CuttingTool(PartitionTool):
             ),
             "Every candidate, with its detour before any cut, its dilation in the solution, and "
             "its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.",
-        )
-        self.add_numbers(
-            (
-                (self.PART_COUNT, "Number of parts"),
-                (self.CUT_COUNT, "Number of cuts"),
-                (self.CUT_LENGTH, "Total length of the cuts"),
-                (self.MAX_DILATION, "Largest dilation of a candidate"),
-                (self.SKIPPED_COUNT, "Number of features not solved"),
-                (self.COST, "Cost of all solutions"),
-                (self.LOWER_BOUND, "Proven lower bound of the cost"),
-            )
         )
 
     def processAlgorithm(self, parameters, context, feedback):
@@ -379,6 +385,8 @@ class CuttingTool(PartitionTool):
                         writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
                 pass
+            if self.in_place and feedback.isCanceled():
+                writer.pass_on(source)
             if settings.lines:
                 settings.lines.report(feedback)
         writer.report(feedback)
@@ -415,8 +423,10 @@ class _Writer:
             fields, make_fields(PART_FIELDS + tool.extra_fields)
         )
         sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
-        self.with_cuts = sinks.open(tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False)
-        self.with_diagonals = sinks.open(
+        self.with_cuts = not tool.in_place and sinks.open(
+            tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False
+        )
+        self.with_diagonals = not tool.in_place and sinks.open(
             tool.DIAGONALS, make_fields(DIAGONAL_FIELDS), line_type, crs, False
         )
         self.numbers = {
@@ -429,6 +439,7 @@ class _Writer:
             tool.LOWER_BOUND: 0.0,
         }
         self.small, self.holes, self.rules, self.short = 0, 0, [0] * 5, 0
+        self.done = 0  # features that are written as a whole
 
     def write(self, problem, solution, feedback, check):
         """Write the solution of a chunk, and tell what of it could not be solved."""
@@ -490,6 +501,7 @@ class _Writer:
                 part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
                 self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
                 self.numbers[tool.PART_COUNT] += 1
+                self.done += 1
                 continue
             for k in range(lo, hi):
                 part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, feature.id(), *more]
@@ -500,6 +512,15 @@ class _Writer:
                     of.pop()
                     geometry, line = next(rows)
                     self.sinks.add(name, geometry, [feature.id(), *line], origin)
+            self.done += 1
+
+    def pass_on(self, source):
+        """Write the features that a cancelled run has not come to as they are: QGIS deletes all of them."""
+        rest = [1, 1, "cancelled", NULL, NULL]
+        for k, feature in enumerate(source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)):
+            if k >= self.done:
+                more = [*rest, feature.id(), *[NULL] * len(self.tool.extra_fields)]
+                self.sinks.add(self.tool.OUTPUT, feature.geometry(), feature.attributes() + more)
 
     def _cuts(self, problem, solution, found):
         """Name of the layer; the feature of each cut, the last one first; geometries and values."""

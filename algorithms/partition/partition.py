@@ -1,5 +1,7 @@
 """The tool ``isthmus:partition``."""
 
+from qgis.core import QgsProcessingAlgorithm, QgsVectorLayer, QgsWkbTypes
+
 from .cutting import CuttingTool
 
 HELP = """
@@ -59,7 +61,16 @@ class PartitionAlgorithm(CuttingTool):
     def shortDescription(self):
         return "Cuts polygons at isthmuses, straits and necks into natural parts."
 
+    def flags(self):
+        return super().flags() | QgsProcessingAlgorithm.Flag.FlagSupportsInPlaceEdits
+
+    def supportInPlaceEdit(self, layer):
+        return isinstance(layer, QgsVectorLayer) and (
+            layer.geometryType() == QgsWkbTypes.GeometryType.PolygonGeometry
+        )
+
     def initAlgorithm(self, configuration=None):
+        self.in_place = bool((configuration or {}).get("IN_PLACE"))
         self.add_input()
         self.add_dynamic(
             self.TAU,

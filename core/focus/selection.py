@@ -15,6 +15,7 @@ from ..partition.carving import carve, components, spanning_tree
 from ..partition.min_size import SELF
 from ..partition.solve import AMBIGUOUS, partition
 from ..partition.triangulation import diagonals, triangulate
+from ..rings import signed_areas
 
 __all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
 
@@ -23,7 +24,7 @@ GAP, SECONDS = 0.001, 20.0  # of MinLength: relative, and for one polygon
 REACH = 0.02  # their largest length, as a share of the diagonal of the map's extent
 
 
-def min_size(coords, offsets, tau, check):
+def min_size(coords, offsets, tau, check, natural=False, smallest=0.0):
     """Return the fewest diagonals that keep every detour within tau (Theorem 1).
 
     Parameters
@@ -34,17 +35,24 @@ def min_size(coords, offsets, tau, check):
         At least 1.
     check : callable
         Called now and then; may raise `Cancelled`.
+    natural : bool
+        Whether only natural diagonals are candidates, see `natural.natural`; else all.
+    smallest : float
+        Share of the polygon's area; smaller parts are not cut off.
 
     Returns
     -------
     (s, 2) int
         Rows of ``coords`` at the ends.
     """
-    solution = partition(coords, offsets, tau, cancelled=_asks(check))
+    solution = partition(
+        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
+        cancelled=_asks(check),
+    )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]
 
 
-def min_length(coords, offsets, tau, check):
+def min_length(coords, offsets, tau, check, natural=False, smallest=0.0):
     """Return diagonals of least total length that keep every detour within tau.
 
     Parameters, returns: see `min_size`.
@@ -54,8 +62,8 @@ def min_length(coords, offsets, tau, check):
     Within `GAP` of the optimum, or what is found in `SECONDS`.
     """
     solution = partition(
-        coords, offsets, tau, weigh=lambda prepared: prepared.chord, max_gap=GAP,
-        time_limit=SECONDS, cancelled=_asks(check),
+        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
+        weigh=lambda prepared: prepared.chord, max_gap=GAP, time_limit=SECONDS, cancelled=_asks(check),
     )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]
 
@@ -154,7 +162,8 @@ def select(rule, coords, offsets, tau, extent, check):
 
     Parameters
     ----------
-    rule : str
+    rule : str or callable
+        A name, or a function that is called as `min_size` is.
     coords, offsets, tau, check
         See `min_size`.
     extent : float
@@ -168,6 +177,8 @@ def select(rule, coords, offsets, tau, extent, check):
     ------
     Unsolvable
     """
+    if callable(rule):
+        return rule(coords, offsets, tau, check)
     if rule == "MinSize":
         return min_size(coords, offsets, tau, check)
     if rule == "MinLength":
@@ -186,6 +197,12 @@ def _candidates(coords, offsets):
     if problem:
         raise Unsolvable(problem)
     return polygon, diagonals(polygon, triangles)
+
+
+def _area(coords, offsets, share):
+    """A share of a polygon's area."""
+    size = np.abs(signed_areas(np.asarray(coords, dtype=float)[:, :2], np.asarray(offsets)))
+    return share * (2.0 * size[0] - size.sum())
 
 
 def _rows(polygon, edges):

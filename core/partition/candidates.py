@@ -184,6 +184,8 @@ def from_triangulation(
     edges = diagonals(rest, triangles)
     position = measure.positions(rest.xy)
     short = places(rest, triangles, position, measure)
+    if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
+        edges = edges[_clear(polygons, free, vertex[edges])]
     found = Diagonals(vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
@@ -198,12 +200,12 @@ def from_triangulation(
         edge_length = np.full(len(polygons.vertex), np.nan)
         edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
         found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
-    found = found._replace(
-        places=short._replace(apex=vertex[short.apex], edge=corner[short.edge])
-    )
-    if not free.any():
-        return found
-    owner = polygons.polygon_of_vertex[found.edges[:, 0]]
+    return found._replace(places=short._replace(apex=vertex[short.apex], edge=corner[short.edge]))
+
+
+def _clear(polygons, free, edges):
+    """Which edges meet none of the rings that are left out."""
+    owner = polygons.polygon_of_vertex[edges[:, 0]]
     bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
     clear = np.ones(len(edges), dtype=bool)
     for p in np.unique(polygons.polygon_of_ring[free]).tolist():
@@ -212,14 +214,10 @@ def from_triangulation(
         holes = shapely.polygons(
             shapely.linearrings(polygons.xy[polygons.vertex[index]], indices=groups(offsets))
         )
-        lines = shapely.linestrings(polygons.xy[found.edges[bounds[p]:bounds[p + 1]]])
+        lines = shapely.linestrings(polygons.xy[edges[bounds[p]:bounds[p + 1]]])
         hit, _ = shapely.STRtree(holes).query(lines, predicate="intersects")
         clear[bounds[p] + hit] = False
-    return found._replace(
-        edges=found.edges[clear],
-        why=None if found.why is None else found.why[clear],
-        share=None if found.share is None else found.share[clear],
-    )
+    return clear
 
 
 def counted(

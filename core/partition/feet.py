@@ -161,7 +161,7 @@ def large_places(
     corner = np.empty(len(polygons.xy), dtype=np.int64)
     corner[vertex] = np.arange(len(vertex))
     u, v = corner[found.apex], found.edge
-    # prefix sums of the shoelace terms, as in `natural.shares`; holes are left out
+    # prefix sums of the shoelace terms, as in `natural.natural`; holes are left out
     plane = measure.equal_area(polygons.xy)[vertex]
     first = np.repeat(polygons.corner_offsets[:-1], np.diff(polygons.corner_offsets))
     plane = plane - plane[first]

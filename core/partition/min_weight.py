@@ -75,7 +75,8 @@ def min_weight(
         Called often, sometimes with the share done; may raise `Cancelled`.
     max_points : int
         The search gives up narrowing the gap of a tree after a pass with that many points on a front
-        of typical width (a front may get four times as many): this bounds the memory.
+        of typical width (a front may get four times as many): this bounds the memory. With 0 only
+        trees are improved that an exact pass solves at once.
 
     Returns
     -------
@@ -121,7 +122,7 @@ def min_weight(
     best = _Best(forest, max_gap, start, timed_check)
     try:
         hard = _solve_easy(forest, best)
-        if hard.any():
+        if max_points and hard.any():
             _Search(forest, best, hard, max_points).run()
     except _Stop:
         pass

@@ -27,18 +27,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ..metric import Metric
-from ..rings import following, groups, locate, running
+from ..rings import following, groups, locate, offsets_of, previous, ranges, running
 from .polygon import Polygons
 
 __all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
-           "WIDER", "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens", "shares"]
+           "WIDER", "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens"]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
 RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
 
 LEVELS = 8  # classes of small detail, each a quarter of the next
 DETAIL = 0.02  # detail below this share of the smallest part is not measured ...
-SCALES = 5  # ... and lengths along the outline are the mean over so many scales, each twice the last
+SCALES = 6  # ... and lengths along the outline are the mean over so many scales, each twice the last
 REACH = 0.5  # bends and widening are measured within this share of the diagonal's length
 BENT = 20.0  # degrees: least sum of the bends at both ends
 LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
@@ -142,81 +142,71 @@ def natural(
     corner = _corners(polygons, edges)
     plane = measure.equal_area(polygons.xy)[vertex]
     first = np.repeat(offsets[polygon_offsets[:-1]], np.diff(offsets[polygon_offsets]))
-    plane = plane - plane[first]  # near its origin, terms of areas cancel least
-    length = measure.length(position, edges[:, 0], edges[:, 1])
+    plane -= plane[first]  # near its origin, terms of areas cancel least
     edge_length = measure.length(position, vertex, vertex[polygons.next_corner])
-    polygon = polygon_of_ring[ring[corner[:, 0]]]
+    terms = _terms(plane, offsets)
 
-    share, area = shares(plane, offsets, polygon_offsets, corner)
+    share, area = _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner)
     outline, measured = _outlines(
         plane, position[vertex], offsets, edge_length, DETAIL * smallest[polygon_of_ring]
     )
-    why = np.full(len(edges), KEPT, dtype=np.int8)
-    why[share * area[polygon] < smallest[polygon]] = SMALL
-    large = why == KEPT
+    polygon = polygon_of_ring[ring[corner[:, 0]]]
+    small = share * area[polygon] < smallest[polygon]
+    why = np.where(small, SMALL, KEPT).astype(np.int8)
 
-    left = np.flatnonzero(large)
-    bend = np.zeros(len(edges))
-    bend[left] = bends(outline, ring, corner[left], length[left]).sum(axis=1)
-    why[large & (bend < BENT)] = STRAIGHT
+    # on from here with the large ones alone: of a dense coast a few in a thousand
+    large = np.flatnonzero(~small)
+    edges, corner, verdict = edges[large], corner[large], why[large]
+    length = measure.length(position, edges[:, 0], edges[:, 1])
+    bend = bends(outline, ring, corner, length).sum(axis=1)
+    verdict[bend < BENT] = STRAIGHT
 
-    left = np.flatnonzero(why == KEPT)
+    left = np.flatnonzero(verdict == KEPT)
     beside, across = edges_of_triangles(triangles, edges, len(polygons.xy))
-    sides = measure.length(position, triangles.ravel(), triangles[:, [1, 2, 0]].ravel()).reshape(-1, 3)
-    longest = np.append(sides.max(axis=1, initial=0.0), 0.0)[beside[left]]
+    around = beside[left]
+    sides = np.stack(
+        [measure.length(position, triangles[around, k].ravel(), triangles[around, k - 1].ravel())
+         for k in range(3)]
+    ).reshape(3, -1, 2)
+    longest = np.where(around >= 0, sides.max(axis=0), 0.0)
     even = left[longest.max(axis=1, initial=0.0) < WIDER * length[left]]
     middle = (position[edges[:, 0]] + position[edges[:, 1]]) / 2.0
-    why[even[~opens(even, large, length, middle, beside, across)]] = EVEN
+    verdict[even[~opens(even, length, middle, beside, across)]] = EVEN
 
-    left = np.flatnonzero(why == KEPT)
+    left = np.flatnonzero(verdict == KEPT)
     order = left[np.lexsort((left, length[left] / bend[left]))]
-    why[order] = one_by_one(
-        polygons, outline, corner[order], length[order], plane, area, smallest
+    verdict[order] = one_by_one(
+        polygons, outline, corner[order], length[order], plane, terms, area, smallest
     )
+    why[large] = verdict
     return Natural(why == KEPT, measured, share, why, outline)
 
 
-def shares(
-    plane: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray, corner: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Area on the smaller side of each diagonal, as a share of its polygon's.
+def _terms(plane, offsets):
+    """Shoelace terms of the outline before each corner on its ring, and of whole rings."""
+    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
+    return running((x * y2 - x2 * y) / 2.0, offsets)  # a hole's are negative
+
+
+def _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner):
+    """Area on the smaller side of each diagonal, as a share of its polygon's; area of each polygon.
 
     A side is an interval of a ring: two entries of the prefix sums of the shoelace terms, and the
-    term of the diagonal.
-
-    Parameters
-    ----------
-    plane : (c, 2) float
-        The corners in a plane with true areas, near its origin.
-    offsets, polygon_offsets : (r + 1,) int, (p + 1,) int
-    corner : (k, 2) int
-        The corners at the ends of the diagonals.
-
-    Returns
-    -------
-    share : (k,) float
-        NaN where the ends lie on two rings. Holes on the side count as part of it.
-    area : (p,) float
-        Of each polygon without its holes.
-
-    Notes
-    -----
-    O(n + k).
+    term of the diagonal. NaN where the ends lie on two rings. Holes on the side count as part of it,
+    and those of a polygon as part of that. O(n + k).
     """
-    ring = groups(offsets)
-    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    passed, whole = running((x * y2 - x2 * y) / 2.0, offsets)  # the hole's are negative
+    passed, whole = terms
     area = whole[polygon_offsets[:-1]]
     u, v = corner.T
-    side = passed[v] - passed[u] + (x[v] * y[u] - x[u] * y[v]) / 2.0
+    (x, y), (x2, y2) = plane[u].T, plane[v].T
+    side = passed[v] - passed[u] + (x2 * y - x * y2) / 2.0
     smaller = np.minimum(np.abs(side), np.abs(whole[ring[u]] - side))
-    polygon = np.searchsorted(polygon_offsets, ring[u], side="right") - 1
-    return np.where(ring[u] == ring[v], smaller / area[polygon], np.nan), area
+    return np.where(ring[u] == ring[v], smaller / area[polygon_of_ring[ring[u]]], np.nan), area
 
 
 def generalised(
     plane: np.ndarray, point: np.ndarray, offsets: np.ndarray, edge_length: np.ndarray,
-    least: np.ndarray, corner: np.ndarray | None = None,
+    least: np.ndarray,
 ) -> Outline:
     """Generalise rings by the area that matters (Visvalingam and Whyatt 1993, Cartogr. J. 30).
 
@@ -235,8 +225,6 @@ def generalised(
         Length of the edge that leaves each corner.
     least : (r,) float
         Least area of a triangle for each ring.
-    corner : (g,) int, optional
-        The corners to begin with, in one class: those of an outline that is a little finer.
 
     Returns
     -------
@@ -247,46 +235,70 @@ def generalised(
     -----
     O(n) a round, O(log n) rounds.
     """
+    here = _large_corners(plane, offsets, least, None)
+    start, step, new_length = _lengths(point, offsets, edge_length, here)
     ring = groups(offsets)
-    levels = LEVELS if corner is None else 1
-    here = np.arange(len(plane)) if corner is None else corner
-    start = np.searchsorted(here, offsets)
-    for level in range(levels if (least > 0.0).any() else 0):
-        limit = least * 4.0 ** (level + 1 - levels)
-        while True:
-            before, after = _neighbours(start)
-            a, b, c = plane[here[before]], plane[here], plane[here[after]]
-            b, c = b - a, c - a
-            small = np.abs(b[:, 0] * c[:, 1] - c[:, 0] * b[:, 1]) / 2.0 < limit[ring[here]]
-            goes = _every_second(small, start)
-            few = np.diff(start) - np.add.reduceat(goes, start[:-1], dtype=np.int64) < 3
-            goes &= ~few[ring[here]]
-            if not goes.any():
-                break
-            here = here[~goes]
-            start = np.searchsorted(here, offsets)
-    _, after = _neighbours(start)
-    at = point[here]
-    step = np.sqrt(((at[after] - at) ** 2).sum(axis=1))
-    # a corner belongs to the edge of the last place up to it, a ring's first ones to its last edge
-    edge = np.searchsorted(here, np.arange(len(plane)), side="right") - 1
-    edge = np.where(edge < start[ring], start[ring + 1] - 1, edge)
-    whole = np.bincount(edge, weights=edge_length, minlength=len(here))
-    new_length = edge_length * (step / whole)[edge]
     along, perimeter = running(new_length, offsets)
     along = along - along[here[start[:-1]]][ring]
     passed, around = running(step, start)
     return Outline(
         corner=here,
-        point=at,
+        point=point[here],
         passed=passed,
         step=step,
         perimeter=around,
-        following=after,
+        following=following(start),
         ring_start=start,
         edge_length=new_length,
         along=np.where(along < 0.0, along + perimeter[ring], along),
     )
+
+
+def _large_corners(plane, offsets, least, corner):
+    """The corners that stay; of those of a finer outline, if any, in one class."""
+    levels = LEVELS if corner is None else 1
+    here = np.arange(len(plane)) if corner is None else corner
+    start = offsets if corner is None else np.searchsorted(here, offsets)
+    if not (least > 0.0).any():
+        return here
+    x, y = plane[here].T.copy()
+    limit = np.repeat(least, np.diff(start))
+    for level in range(levels):
+        scale = 4.0 ** (level + 1 - levels)
+        while True:
+            x0, y0 = _shifted(x, start, 1), _shifted(y, start, 1)
+            bx, by, cx, cy = x - x0, y - y0, _shifted(x, start, -1), _shifted(y, start, -1)
+            cx -= x0
+            cy -= y0
+            small = np.abs(bx * cy - cx * by) / 2.0 < limit * scale
+            goes = _every_second(small, start)
+            gone = np.add.reduceat(goes, start[:-1], dtype=np.int64)
+            size = np.diff(start)
+            few = size - gone < 3
+            if few.any():
+                goes &= ~np.repeat(few, size)
+                gone[few] = 0
+            if not gone.any():
+                break
+            stays = ~goes
+            here, x, y, limit = here[stays], x[stays], y[stays], limit[stays]
+            start = offsets_of(size - gone)
+    return here
+
+
+def _lengths(point, offsets, edge_length, here):
+    """Where rings start among the corners that stay, their edges' lengths, and each original edge's."""
+    start = np.searchsorted(here, offsets)
+    at = point[here]
+    step = np.sqrt(((at[following(start)] - at) ** 2).sum(axis=1))
+    # a corner belongs to the edge of the last place up to it, a ring's first ones to its last edge
+    edge = np.zeros(len(point), dtype=np.int64)
+    edge[here] = 1
+    edge = np.cumsum(edge) - 1
+    before = here[start[:-1]] - offsets[:-1]
+    edge[ranges(offsets[:-1], before)] = np.repeat(start[1:] - 1, before)
+    whole = np.bincount(edge, weights=edge_length, minlength=len(here))
+    return start, step, edge_length * (step / whole)[edge]
 
 
 def _outlines(plane, point, offsets, edge_length, least):
@@ -294,15 +306,13 @@ def _outlines(plane, point, offsets, edge_length, least):
 
     How long a coast is depends on the stride it is measured with, and which corners stay on the
     chance of the data. Lengths of one scale made 33 cuts of the ten largest land masses at one
-    detail and 28 at another; their mean over five makes 32 or 33 at each.
+    detail and 28 at another; their mean over several makes as many at each.
     """
-    finest = outline = generalised(plane, point, offsets, edge_length, least)
-    total = finest.edge_length.copy()
+    finest = generalised(plane, point, offsets, edge_length, least)
+    corner, total = finest.corner, finest.edge_length.copy()
     for scale in range(1, SCALES):
-        outline = generalised(
-            plane, point, offsets, edge_length, least * 2.0**scale, outline.corner
-        )
-        total += outline.edge_length
+        corner = _large_corners(plane, offsets, least * 2.0**scale, corner)
+        total += _lengths(point, offsets, edge_length, corner)[2]
     return finest, total / SCALES
 
 
@@ -346,7 +356,7 @@ def edges_of_triangles(
     ----------
     triangles : (t, 3) int
     edges : (k, 2) int
-        u < v, u ascending.
+        u < v; some or all of the diagonals.
     n : int
         Number of vertices.
 
@@ -357,30 +367,39 @@ def edges_of_triangles(
     across : (t + 1, 3) int
         The edge on each side, -1 where it is none of these; the last row is for triangle -1.
     """
-    triangles = triangles.astype(np.int64)
-    a, b = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    across = np.full((len(triangles) + 1, 3), -1)
+    beside = np.full((len(edges), 2), -1)
+    if not len(edges):
+        return beside, across
+    end = np.zeros(n, dtype=bool)
+    end[edges] = True
+    end = end[triangles]
+    side = np.flatnonzero(end & end[:, [1, 2, 0]])  # the others are none of these
+    triangle = side // 3
+    a = triangles.ravel()[side].astype(np.int64)
+    b = triangles.ravel()[side + np.where(side % 3 == 2, -2, 1)].astype(np.int64)
     key = np.minimum(a, b) * n + np.maximum(a, b)
     wanted = edges[:, 0] * n + edges[:, 1]
     order = np.argsort(wanted)
-    place = np.searchsorted(wanted, key, sorter=order)
-    edge = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(key), dtype=int)
-    edge = np.where(wanted[edge] == key, edge, -1) if len(order) else edge - 1
-    inner = np.flatnonzero(edge >= 0)
-    inner = inner[np.argsort(edge[inner], kind="stable")]
-    first = np.diff(edge[inner], prepend=-1) != 0
-    beside = np.full((len(edges), 2), -1)
-    beside[edge[inner[first]], 0] = inner[first] // 3
-    beside[edge[inner[~first]], 1] = inner[~first] // 3
-    return beside, np.append(edge.reshape(-1, 3), [[-1, -1, -1]], axis=0)
+    edge = order[np.minimum(np.searchsorted(wanted, key, sorter=order), len(order) - 1)]
+    found = wanted[edge] == key
+    edge, side, triangle = edge[found], side[found], triangle[found]
+    across.ravel()[side] = edge
+    order = np.argsort(edge, kind="stable")
+    edge, triangle = edge[order], triangle[order]
+    first = np.diff(edge, prepend=-1) != 0
+    beside[edge[first], 0] = triangle[first]
+    beside[edge[~first], 1] = triangle[~first]
+    return beside, across
 
 
 def opens(
-    asked: np.ndarray, large: np.ndarray, length: np.ndarray, middle: np.ndarray,
-    beside: np.ndarray, across: np.ndarray,
+    asked: np.ndarray, length: np.ndarray, middle: np.ndarray, beside: np.ndarray,
+    across: np.ndarray,
 ) -> np.ndarray:
     """Whether the polygon gets wider by a step within reach of diagonals (necks and limbs).
 
-    In a dense outline a neck widens triangle by triangle. From the diagonal, walk over the large
+    In a dense outline a neck widens triangle by triangle. From the diagonal, walk over the other
     diagonals on each side as long as the way over their middles is within REACH. On one side there
     must be one STEP times as long, on the other none shorter than TAPER times: else it is a place
     in a taper.
@@ -388,9 +407,7 @@ def opens(
     Parameters
     ----------
     asked : (q,) int
-        The diagonals.
-    large : (k,) bool
-        The diagonals that count.
+        The diagonals, by their places in the following arrays of all large ones.
     length, middle : (k,) float, (k, d) float
     beside, across
         See `edges_of_triangles`.
@@ -410,7 +427,7 @@ def opens(
     way = np.zeros(len(query))
     while len(query):
         new = across[triangle]
-        on = (new >= 0) & (new != edge[:, None]) & large[new]
+        on = (new >= 0) & (new != edge[:, None])
         row, column = np.nonzero(on)
         new = new[row, column]
         query, side, triangle = query[row], side[row], triangle[row]
@@ -427,7 +444,7 @@ def opens(
 
 def one_by_one(
     polygons: Polygons, outline: Outline, corner: np.ndarray, length: np.ndarray,
-    plane: np.ndarray, area: np.ndarray, smallest: np.ndarray,
+    plane: np.ndarray, terms: tuple, area: np.ndarray, smallest: np.ndarray,
 ) -> np.ndarray:
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
@@ -443,6 +460,8 @@ def one_by_one(
     length : (k,) float
     plane : (c, 2) float
         The corners in a plane with true areas, near its origin.
+    terms : (c,) float, (r,) float
+        Shoelace terms of the outline before each corner on its ring, and of each ring.
     area, smallest : (p,) float
         Area of each polygon, holes included, and of its smallest part.
 
@@ -459,8 +478,10 @@ def one_by_one(
     ring = polygons.ring_of_corner
     places = np.union1d(outline.corner, corner.ravel())
     start = np.searchsorted(places, polygons.offsets)
-    before, after = _neighbours(start)
-    term = _outline_terms(plane, polygons.offsets, places, after)
+    before, after = previous(start), following(start)
+    passed, whole = terms
+    term = passed[places[after]] - passed[places]
+    term = np.where(places[after] <= places, term + whole[ring[places]], term)
     polygon = polygons.polygon_of_ring[ring[places]]
     label, area, smallest = polygon.tolist(), area.tolist(), smallest[polygon].tolist()
     before, after, term = before.tolist(), after.tolist(), term.tolist()
@@ -542,20 +563,16 @@ def _way(begin, end, after):
     yield end
 
 
-def _outline_terms(plane, offsets, places, after):
-    """Shoelace terms of the outline from each place to the one after it."""
-    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    passed, whole = running((x * y2 - x2 * y) / 2.0, offsets)
-    whole = np.repeat(whole, np.diff(offsets))
-    term = passed[places[after]] - passed[places]
-    return np.where(places[after] <= places, term + whole[places], term)
-
-
-def _neighbours(start):
-    """The places before and after each place on rings that begin at ``start``."""
-    before, after = np.arange(-1, start[-1] - 1), np.arange(1, start[-1] + 1)
-    before[start[:-1]], after[start[1:] - 1] = start[1:] - 1, start[:-1]
-    return before, after
+def _shifted(values, start, by):
+    """The value one place before (by = 1) or after (-1) each on rings that begin at ``start``."""
+    moved = np.empty_like(values)
+    if by > 0:
+        moved[1:] = values[:-1]
+        moved[start[:-1]] = values[start[1:] - 1]
+    else:
+        moved[:-1] = values[1:]
+        moved[start[1:] - 1] = values[start[:-1]]
+    return moved
 
 
 def _every_second(small, start):

@@ -18,7 +18,7 @@ import shapely
 
 from ..errors import Unsolvable
 from ..predicates import orientations
-from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
+from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, take
 
 __all__ = ["Polygons", "from_rings", "is_valid", "one", "select", "without_rings"]
 

@@ -68,6 +68,8 @@ class Prepared(NamedTuple):
         Length of the polygon edge that leaves each corner, on the generalised outline if there is one.
     generalised : bool
         Whether there is one.
+    natural : bool
+        Whether the candidates are natural: of equally few cuts, those of salient parts are taken.
     set_aside : (q, 5) int
         For each input polygon, how many diagonals each rule of `natural` kept (the first column) or set
         aside.
@@ -97,6 +99,7 @@ class Prepared(NamedTuple):
     bounded: np.ndarray
     edge_length: np.ndarray
     generalised: bool
+    natural: bool
     set_aside: np.ndarray
     carved: Carved
     lines: list[Lines] | None
@@ -469,6 +472,7 @@ def prepare(
                 bounded=bounded,
                 edge_length=edge_length,
                 generalised=generalise,
+                natural=natural and lines is None,
                 set_aside=set_aside,
                 carved=None,  # type: ignore[arg-type]  # comes below
                 lines=accepted,
@@ -518,6 +522,11 @@ def select(
     Returns
     -------
     Selection
+
+    Notes
+    -----
+    Of several sets of fewest cuts, MinSize takes any; among natural candidates that where the cuts are
+    shortest beside the size of their parts (see `_salient`).
     """
     check(0.0)
     carved, owner, count = prepared.carved, prepared.owner, len(prepared.polygons.unit)
@@ -527,6 +536,8 @@ def select(
     cut = min_size(carved.net, tau[of_node], search if weight is None else check) == SELF
     ones = np.ones(len(owner))
     lower_bound = _sums(owner, ones, np.append(carved.tree, carved.node_edge[cut[count:]]), count)
+    if weight is None and prepared.natural:
+        cut = _salient(prepared, cut, tau[of_node], search)
     if weight is not None:
         # a MinSize solution to begin with: the result never costs more
         cut, lower_bound = min_weight(
@@ -544,10 +555,12 @@ def select(
     if prepared.with_holes.any():
         price = prepared.chord if weight is None else weight
         selected = _without_redundant(prepared, selected, tau, price, check)
-        if weight is not None:
+        if weight is not None or prepared.natural:
             # which cuts turn out to be redundant is a matter of luck: never end up dearer
-            fewest = select(prepared, tau, check=check, with_dilation=False).selected
-            dearer = _sums(owner, weight, fewest, count) < _sums(owner, weight, selected, count)
+            plain = prepared._replace(natural=False)
+            fewest = select(plain, tau, check=check, with_dilation=False).selected
+            paid = ones if weight is None else weight
+            dearer = _sums(owner, paid, fewest, count) < _sums(owner, paid, selected, count)
             selected = np.sort(np.append(
                 selected[~dearer[owner[selected]]], fewest[dearer[owner[fewest]]]
             ))
@@ -687,6 +700,28 @@ def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) ->
     length = short.length * polygons.unit[owner]
     beyond = shortest > np.broadcast_to(tau, roots)[owner] * length * (1.0 + SLACK)
     return np.bincount(owner[beyond], minlength=roots)
+
+
+def _salient(prepared, cut, tau, check):
+    """Of the solutions with as few cuts, that whose parts are the most salient (Hoffman and Singh 1997).
+
+    A part is the more salient the shorter its cut is beside the root of its area. The sum of these ratios
+    is a second objective: a cut weighs one and a bit, and the bits of the first solution are a half
+    together, so another cut is never worth them. Trees that are too large for an exact pass stay as they
+    are. On provinces 15.7 instead of 18.0 % of the cuts got a part with less area than a square on them.
+    """
+    carved, owner = prepared.carved, prepared.owner
+    count = len(prepared.polygons.unit)
+    # a cut between two rings has no side of its own: as if it halved the polygon
+    ratio = prepared.chord / np.sqrt(np.where(np.isnan(prepared.share), 0.5, prepared.share))
+    first = _sums(owner, ratio, carved.node_edge[cut[count:]], count)
+    bit = np.divide(0.5, first, out=np.zeros(count), where=first > 0.0)
+    weight = 1.0 + ratio * bit[owner]
+    cut, _ = min_weight(
+        carved.net, np.append(np.zeros(count), weight[carved.node_edge]), tau,
+        max_gap=0.0, start=cut, check=check, max_points=0,
+    )  # fmt: skip
+    return cut
 
 
 def _mask(indices, size):

@@ -96,6 +96,20 @@ def test_rules(run, land, focus, rule):
     assert results["CROSSINGS"] == 0
 
 
+@pytest.mark.parametrize("rule", ["MinSize", "MinLength"])
+@pytest.mark.parametrize("places, smallest", [("Natural", 1), ("Natural", 60), ("Any", 0)])
+def test_selected_edges_are_the_cuts_of_the_partition_tool(run, land, focus, rule, places, smallest):
+    asked = {"PLACES": places, "SMALLEST_PART": smallest, "TAU": 2}
+    cuts = run("isthmus:partition", {
+        "INPUT": land, "OBJECTIVE": rule, **asked, "OUTPUT": "memory:", "CUTS": "memory:",
+    })["CUTS"]  # fmt: skip
+    results = run(TOOL, parameters(land, focus, SELECTION=rule, **asked, EDGES_USED="memory:"))
+    edges = [edge for edge in features(results, "EDGES_USED") if edge["kind"] == "selected"]
+    lengths = sorted(cut.geometry().length() for cut in cuts.getFeatures())
+    assert sorted(edge["length"] for edge in edges) == pytest.approx(lengths)
+    assert len(edges) == {60: 0, 1: 2}.get(smallest, len(edges)) and (smallest or len(edges) > 2)
+
+
 def test_cuts_of_the_partition_tool_as_edges(run, land, focus, layer, feedback):
     cuts = run("isthmus:partition", {"INPUT": land, "TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OUTPUT": "memory:", "CUTS": "memory:"})
     lines = cuts["CUTS"]
@@ -285,7 +299,7 @@ def test_a_focus_that_is_not_finite_or_no_polygon(run, land, layer):
 
 def test_numbers_that_are_none_are_refused(provider, land, focus):
     tool = QgsApplication.processingRegistry().algorithmById(TOOL)
-    for name in ("SCALE", "TAU"):
+    for name in ("SCALE", "TAU", "SMALLEST_PART"):
         ok, message = tool.checkParameterValues(
             parameters(land, focus, **{name: float("nan")}), QgsProcessingContext()
         )

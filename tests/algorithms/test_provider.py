@@ -275,7 +275,8 @@ def test_requirements_ask_for_the_same_wheels():
     from isthmus.algorithms import dependencies
     from packaging.requirements import Requirement
 
-    lines = (line.split("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines())
+    text = "".join((ROOT / name).read_text() for name in ("requirements.txt", "tools/requirements-test.txt"))
+    lines = (line.split("#")[0].strip() for line in text.splitlines())
     wanted = {r.name: r.marker for r in map(Requirement, filter(None, lines))}
     machines = {
         "linux-x86_64": ("linux", "x86_64"), "linux-aarch64": ("linux", "aarch64"), "win-amd64": ("win32", "AMD64"),

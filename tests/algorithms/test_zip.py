@@ -45,6 +45,13 @@ def test_contents(archive):
     assert {"LICENSE", "README.md", "__init__.py", "metadata.txt", "plugin.py", "resources"} <= top
     assert not top & {"docs", "run", "tests", "tools", "build"}
     assert not [name for name in top if name.startswith(".")]
+    assert {"requirements.txt", "gui"} <= top and "owner.ini" not in top
+    assert "isthmus/i18n/isthmus_de.qm" in files and not [name for name in files if name.endswith(".ts")]
+    assert "isthmus/resources/example.geojson" in files
+    pages = {Path(name).stem for name in files if name.startswith("isthmus/help/")}
+    assert {"README", "partition", "hierarchy", "aggregate", "focusmap"} <= pages
+    needs = archive.read("isthmus/requirements.txt").decode()
+    assert "shapely" in needs and "pytest" not in needs and "numpy" not in needs.replace("numpy stays", "")
 
 
 def test_rules_of_the_plugin_repository(archive, tool):

@@ -2,7 +2,8 @@
 
     ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time]
 
-Without arguments all of it. `shapes` and `basins` read data that are not part of the project, from the
+Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json.
+`shapes` and `basins` read data that are not part of the project, from the
 folder shared/ beside it (or $ISTHMUS_SHARED); `coasts`, `necks`, `levels` and `time` read GSHHG (see gshhg.py
 for the package to install). What is missing is said, and skipped. On maps the smallest part is
 1 % of its feature and tau is 3; on silhouettes 0.2 % and 1, as the tables say.
@@ -23,7 +24,9 @@ import shapely
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import conftest  # noqa: E402  (makes the package importable)
 
-sys.path.insert(0, str(conftest.ROOT))
+sys.path[:0] = [str(conftest.ROOT), str(conftest.ROOT / "tools")]
+
+from measured import note  # noqa: E402
 
 from isthmus.core import metric  # noqa: E402
 from isthmus.core.partition import solve  # noqa: E402
@@ -31,12 +34,13 @@ from isthmus.core.partition.hierarchy import hierarchy  # noqa: E402
 from isthmus.core.partition.natural import natural  # noqa: E402
 from isthmus.core.partition.polygon import from_rings  # noqa: E402
 from isthmus.core.partition.triangulation import diagonals, triangulate  # noqa: E402
-from isthmus.core.rings import one_polygon  # noqa: E402
-from tests.core import natural_parts, shapes, stages  # noqa: E402
+from isthmus.core.rings import one_polygon, signed_areas  # noqa: E402
+from tests.core import shapes, stages  # noqa: E402
 
 GLOBE = metric.ellipsoidal()
 SMALLEST, TAU = 0.01, 3.0  # on maps
 SHARED = Path(os.environ.get("ISTHMUS_SHARED", conftest.ROOT.parent / "shared"))
+NOTED = {}  # for docs/measured
 WORLD = Path("/usr/share/qgis/resources/data/world_map.gpkg")
 
 
@@ -64,6 +68,17 @@ def no_coasts(*letters):
 
 def ground(shape):
     return shapely.transform(shape, GLOBE.equal_area)
+
+
+def prepare(told, share, measure=None):
+    """Polygons with natural candidates; smaller parts than a share of their shells are none."""
+    return solve.prepare(told, natural=True, smallest=share * shells(told, measure), measure=measure)
+
+
+def shells(told, measure=None):
+    """(p,) float: the area of each polygon without its holes."""
+    plane = told.coords if measure is None else measure.equal_area(told.coords)
+    return np.abs(signed_areas(plane, told.offsets)[told.polygon_offsets[:-1]])
 
 
 # --------------------------------------------------------------------------------- people's parts
@@ -99,15 +114,20 @@ def measured_shapes():
         return np.array(found)
 
     rows = [("a person against another", "", "", f"{person:.3f}", "", "")]
+    NOTED.update(silhouettes=len(data), person=round(person, 2))
     settings = [("Any", None, tau) for tau in (4.0, 3.0)]
     settings += [("Natural", 0.002, tau) for tau in (1.0, 1.5, 2.0, 3.0)]
     settings += [("Natural", SMALLEST, tau) for tau in (1.0, TAU)]
     prepared = {None: solve.prepare(rings)}
     for place, smallest, tau in settings:
         if smallest not in prepared:
-            prepared[smallest] = natural_parts.prepare(rings, lambda area: smallest * area)[0]
+            prepared[smallest] = prepare(rings, smallest)
         ari = agreement(prepared[smallest], tau)
         share = "" if smallest is None else f"{smallest:.1%}"
+        name = {("Any", None, 4.0): "any", ("Natural", 0.002, 1.0): "shapes",
+                ("Natural", SMALLEST, TAU): "default"}.get((place, smallest, tau))
+        if name:
+            NOTED[f"agreement_{name}"] = round(ari.mean(), 2)
         rows.append((place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}",
                      f"{ari[~first].mean():.3f}"))
     print(f"Agreement with people (ARI), {len(data)} silhouettes; to reach: 0.53, and 0.45 at tau = {TAU:g}")
@@ -139,7 +159,6 @@ def measured_layers():
         return
     rows = []
     for name in ("countries", "states_provinces"):
-        single = {tau: np.zeros(4, dtype=int) for tau in (2.5, TAU, 3.5)}
         told, smallest, whole = [], [], []
         for shape in features(name):
             polygons = shapely.get_parts(shape)
@@ -148,23 +167,26 @@ def measured_layers():
             told += [shapes.from_shapely(one) for one in polygons[large]]
             smallest += [SMALLEST * area.sum()] * int(large.sum())
             whole += [area.sum()] * int(large.sum())
-        polygons, verdict = from_rings(stages.together(told))
-        good = verdict == ""
-        prepared, found, index, _ = natural_parts.prepare(
-            None, np.array(smallest)[good], GLOBE, polygons
+        all_told = stages.together(told)
+        prepared = solve.prepare(
+            all_told, natural=True, smallest=np.array(smallest), measure=GLOBE
         )
-        whole = np.array(whole)[good]
-        area = natural_parts.shell_areas(polygons, GLOBE)
-        for tau, count in single.items():
+        number = prepared.polygons.number
+        whole = np.array(whole)
+        area = shells(all_told, GLOBE)[number]
+        for tau in (2.5, TAU, 3.5):
             part = solve.finish(prepared, solve.select(prepared, tau))
             cut = np.flatnonzero(part.role == 0)
-            side = found.share[index[cut]] * area[prepared.owner[cut]]
+            side = prepared.share[cut] * area[prepared.owner[cut]]
+            blunt = np.mean(side < prepared.chord[cut] ** 2)
+            if tau == TAU:
+                NOTED[name] = {"cuts": len(cut), "blunt": round(100 * blunt, 1)}
             made = np.repeat(np.diff(part.parts.part_offsets) > 1, np.diff(part.parts.part_offsets))
-            of = np.repeat(np.arange(len(whole)), np.diff(part.parts.part_offsets))
+            of = np.repeat(number, np.diff(part.parts.part_offsets))
             rows.append((
                 name, tau, len(cut), np.count_nonzero(made),
                 f"{np.mean(part.parts.area[made] < 0.01 * whole[of[made]]):.1%}",
-                f"{np.mean(side < prepared.length[cut] ** 2):.1%}",
+                f"{blunt:.1%}",
             ))
     print("QGIS's world map; to reach: at most 1 %, and 15 %")
     table(("layer", "tau", "cuts", "parts", "parts below 1 % of their feature",
@@ -190,7 +212,7 @@ def lands(letter, count=10):
 
 def ends_of_cuts(shape, tau, smallest=SMALLEST):
     told = shapes.from_shapely(shapely.Polygon(shape.exterior))
-    prepared = natural_parts.prepare(one_polygon(*told), lambda area: smallest * area, GLOBE)[0]
+    prepared = prepare(one_polygon(*told), smallest, GLOBE)
     return prepared.polygons.xy[prepared.edges[solve.select(prepared, tau).selected]]
 
 
@@ -215,6 +237,7 @@ def measured_coasts():
         land = lands(letter)
         found[letter] = [(shape, ends_of_cuts(shape, TAU)) for shape in land]
         count = [len(cuts) for _, cuts in found[letter]]
+        NOTED[f"land_{letter}"] = sum(count)
         rows.append((letter, sum(count), " ".join(map(str, count)), f"{time.process_time() - begun:.1f} s"))
     print(f"The ten largest land masses of GSHHG, tau = {TAU:g}; to reach: within 15 %")
     table(("detail", "cuts", "of each", "time"), rows)
@@ -226,6 +249,7 @@ def measured_coasts():
             west, south, east, north = ground(shape).bounds
             hit += near(cuts, twin[1], 0.02 * max(east - west, north - south))
             total += len(cuts)
+        NOTED[f"same_{one}_{other}"] = dict(zip(("middles", "ends"), (round(100 * x) for x in hit / total)))
         rows.append((name, total, *(f"{share:.0%}" for share in hit / total)))
     print("Of these cuts, within 2 % of the land mass's width of each other; to reach: 85 %")
     table(("", "cuts", "middles", "both ends"), rows)
@@ -263,6 +287,9 @@ def measured_necks():
             rows[name].append("" if absent else f"{same:.2f}, {away:.0f} km")
         real = [best[name] for name in best if name not in canals or label == "QGIS's map"]
         total[0].append(f"{np.mean([same >= 0.75 for _, same in real]):.0%}")
+        NOTED.setdefault("necks", {})[label.replace(" ", "_").replace("'", "")] = round(
+            100 * np.mean([same >= 0.75 for _, same in real])
+        )
         total[1].append(f"{np.mean([away <= 60.0 for away, _ in real]):.0%}")
     print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
           "coast in common with what the neck holds (of the coast that either has), and how far the ends of "
@@ -321,14 +348,17 @@ def measured_basins():
     for name in ("baltic", "michigan_huron", "persian_oman"):
         sea, truth = read(f"{name}_input")[0], [shapely.make_valid(one) for one in read(f"{name}_truth")]
         told = shapes.from_shapely(sea)
-        whole = ground(sea).area
         for tau in (TAU, 4.0):
-            prepared = natural_parts.prepare(one_polygon(*told), SMALLEST * whole, GLOBE)[0]
+            prepared = solve.prepare(
+                one_polygon(*told), natural=True, smallest=SMALLEST * ground(sea).area, measure=GLOBE
+            )
             result = solve.finish(prepared, solve.select(prepared, tau))
             parts = [
                 shapely.Polygon(told.coords[part[0], :2], [told.coords[hole, :2] for hole in part[1:]])
                 for part in result.parts.rings
             ]
+            if tau == TAU:
+                NOTED[f"agreement_{name}"] = round(rand_index(parts, truth), 2)
             rows.append((name, len(truth), tau, len(parts), np.count_nonzero(result.role == 0),
                          f"{rand_index(parts, truth):.2f}"))
     print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
@@ -356,19 +386,18 @@ def measured_levels():
     if not missing(path):
         data = np.load(path)
         told = np.split(data["ring"], data["ring_start"][1:-1])
-        sets["silhouettes"] = natural_parts.prepare(
-            stages.together([(ring, [0, len(ring)]) for ring in told]), lambda area: 0.002 * area
-        )[0]
+        sets["silhouettes"] = prepare(
+            stages.together([(ring, [0, len(ring)]) for ring in told]), 0.002
+        )
     if WORLD.exists():
         polygons = shapely.get_parts(np.array(features("countries")))
         polygons = [one for one in polygons if shapely.area(ground(one)) > 1e9 and one.is_valid]
-        sets["countries"] = natural_parts.prepare(
-            stages.together([shapes.from_shapely(one) for one in polygons]),
-            lambda area: SMALLEST * area, GLOBE,
-        )[0]
+        sets["countries"] = prepare(
+            stages.together([shapes.from_shapely(one) for one in polygons]), SMALLEST, GLOBE
+        )
     if not no_coasts("i"):
         land = [shapes.from_shapely(shapely.Polygon(one.exterior)) for one in lands("i")]
-        sets["coasts"] = natural_parts.prepare(stages.together(land), lambda area: 1e-3 * area, GLOBE)[0]
+        sets["coasts"] = prepare(stages.together(land), 1e-3, GLOBE)
     taus = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0)
     rows = []
     for name, prepared in sets.items():
@@ -392,6 +421,7 @@ def measured_time():
     corridor = np.concatenate((np.column_stack((x, rough[0])), np.column_stack((x, 3 + rough[1]))[::-1]))
     told.append(("corridor", corridor, metric.planar()))
     for name, ring, measure in told:
+        triangulate(from_rings(one_polygon(ring[:9], [0, 9]))[0])  # it is loaded
         clock = [time.process_time()]
 
         def lap():
@@ -403,11 +433,13 @@ def measured_time():
         lap()
         edges = diagonals(polygons, triangles)
         position = measure.positions(polygons.xy)
-        area = natural_parts.shell_areas(polygons, measure)
+        area = shells(one_polygon(ring, [0, len(ring)]), measure)
         lap()
         found = natural(polygons, edges, triangles, position, measure, SMALLEST * area)
         lap()
-        prepared = natural_parts.prepare(None, SMALLEST * area, measure, polygons)[0]
+        prepared = solve.prepare(
+            one_polygon(ring, [0, len(ring)]), natural=True, smallest=SMALLEST * area, measure=measure
+        )
         selection = solve.select(prepared, 1.0)
         solve.finish(prepared, selection)
         lap()
@@ -416,7 +448,7 @@ def measured_time():
         rows.append((name, f"{len(ring):,}", int(found.kept.sum()),
                      *(f"{d:.2f}" for d in np.diff(clock)[[0, 1, 3, 4, 5]])))
     print("Seconds of one processor")
-    table(("", "vertices", "candidates", "checks", "triangulation", "natural", "partition after the checks",
+    table(("", "vertices", "candidates", "checks", "triangulation", "natural", "checks to parts",
            "hierarchy after it"), rows)
 
 
@@ -426,8 +458,11 @@ PARTS = {
 }
 
 if __name__ == "__main__":
-    unknown = set(sys.argv[1:]) - set(PARTS)
+    asked = [word for word in sys.argv[1:] if word != "--note"]
+    unknown = set(asked) - set(PARTS)
     if unknown:
         sys.exit(f"{', '.join(sorted(unknown))}: choose from {', '.join(PARTS)}\n{__doc__}")
-    for name in sys.argv[1:] or PARTS:
+    for name in asked or PARTS:
         PARTS[name]()
+    if "--note" in sys.argv:
+        note("natural", {"source": "natural.py --note", **NOTED})

@@ -22,6 +22,9 @@ tracker=https://somewhere.org/good/issues
 repository=https://somewhere.org/good
 icon=icon.svg
 experimental=False
+homepage=https://somewhere.org/good/pages/start.html
+changelog=Version 1.0.2
+  Better.
 """
 FILES = {
     "good/__init__.py": "def classFactory(iface):\n    return iface\n",
@@ -63,6 +66,15 @@ def test_a_good_zip(check_plugin, tmp_path):
 
 
 PLANTED = {
+    "the root of the repository": (
+        with_metadata("homepage=https://somewhere.org/good/pages/start.html", "homepage=https://somewhere.org/good/"), "is the root"
+    ),
+    "the root of another repository": (
+        with_metadata("homepage=https://somewhere.org/good/pages/start.html", "homepage=https://github.com/some/body"), "is the root"
+    ),
+    "no changelog": (with_metadata("changelog=Version 1.0.2\n  Better.\n", ""), "changelog is missing"),
+    "an old changelog": (with_metadata("changelog=Version 1.0.2", "changelog=Version 1.0.1"), "does not tell of version"),
+    "a long about": (with_metadata("about=More of that.", "about=" + "More of that. " * 40), "more than 500"),
     "no license": (without("good/LICENSE"), "LICENSE is missing"),
     "no metadata": (without("good/metadata.txt"), "metadata.txt is missing"),
     "no init": (without("good/__init__.py"), "__init__.py is missing"),

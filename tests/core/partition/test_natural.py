@@ -184,15 +184,18 @@ def test_fewest_cuts_against_all_subsets(seed):
         pytest.skip("too many candidates to try all subsets, or none")
     # with the generalised lengths: the checker's graph, all subsets
     taus = (1.0, 1.3, 2.0, 3.0)
-    size = [len(select(prepared, tau).selected) for tau in taus]
-    assert size == fewest(prepared, polygon, taus)
+    ratio = prepared.chord / np.sqrt(prepared.share)
+    for tau, (size, least) in zip(taus, fewest(prepared, polygon, taus, ratio)):
+        selected = select(prepared, tau).selected
+        assert len(selected) == size
+        assert ratio[selected].sum() == pytest.approx(least)  # of the most salient parts
 
 
-def fewest(prepared, polygon, taus):
-    """Fewest cuts by trying all subsets, ways along the generalised outline by summing."""
+def fewest(prepared, polygon, taus, ratio):
+    """Fewest cuts and their least sum of ratios, by trying all subsets; ways along the outline by summing."""
     n, k = len(polygon.xy), len(prepared.edges)
     along = np.append(0.0, np.cumsum(prepared.edge_length))
-    best = {tau: k for tau in taus}
+    best = {tau: (k, ratio.sum()) for tau in taus}
     for subset in range(2**k):
         chosen = [c for c in range(k) if subset >> c & 1]
         nodes = sorted({0, *prepared.edges.ravel().tolist()})
@@ -211,8 +214,35 @@ def fewest(prepared, polygon, taus):
         worst = (d[p, q] / prepared.length).max()
         for tau in taus:
             if worst <= tau * (1 + 1e-12):
-                best[tau] = min(best[tau], len(chosen))
+                best[tau] = min(best[tau], (len(chosen), ratio[chosen].sum()))
     return [best[tau] for tau in taus]
+
+
+def test_of_equally_few_cuts_those_of_salient_parts():
+    seen = 0
+    for seed in range(60):
+        prepared, _, _, _ = natural(shapes.tour(seed, 60), 1e-4)
+        ratio = prepared.chord / np.sqrt(prepared.share)
+        for tau in (1.3, 2.0, 3.0):
+            new = select(prepared, tau).selected
+            old = select(prepared._replace(natural=False), tau).selected
+            assert len(new) == len(old)
+            assert ratio[new].sum() <= ratio[old].sum() * (1 + 1e-12)
+            seen += not np.array_equal(new, old)
+    assert seen > 5
+
+
+def test_an_islet_does_not_take_a_neck_away():
+    # the shortest way over the neck leads through an islet that does not count: it is cut beside it
+    below, above = [(10.5, 4.5), (11.5, 4.4)], [(11.5, 5.6), (10.5, 5.5)]
+    shell = [(0, 0), (9, 0), *below, (13, 0), (22, 0), (22, 10), (13, 10), *above, (9, 10), (0, 10)]
+    islet = shapes.box(10.45, 4.9, 10.55, 5.1)[::-1]
+    prepared, _, _, _ = natural(shapes.shape(shell, islet), 0.01)
+    ends = prepared.polygons.xy[prepared.edges[select(prepared, 3.0).selected]]
+    assert len(ends) == 1
+    cut = shapely.LineString(ends[0] * prepared.polygons.unit[0])
+    assert cut.disjoint(shapely.Polygon(islet))
+    assert cut.length < 1.5
 
 
 def test_degrees_are_measured_on_the_ellipsoid():

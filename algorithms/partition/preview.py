@@ -1,0 +1,182 @@
+"""Cuts for every tau and every number of parts, at once: what the panel shows while its slider moves.
+
+All that takes long is done once (`preview`): reading, triangulating, the choice of candidates, and the
+hierarchy. What `isthmus:partition` does for one tau then takes a hundredth of a second, so the panel shows
+the very cuts that the tool makes; the levels by number of parts are those of `isthmus:hierarchy`.
+"""
+
+from typing import NamedTuple
+
+from ...core.progress import ignore, stretch
+from .cutting import NATURAL
+from .hierarchy import NO_END
+from .solving import Settings, measure_of, prepare, read
+
+
+class Shown(NamedTuple):
+    """Cuts, as they are drawn.
+
+    Attributes
+    ----------
+    wkb : bytes
+        A MultiLineString in the coordinates of the layer.
+    cuts, parts : int
+    """
+
+    wkb: bytes
+    cuts: int
+    parts: int
+
+
+class Preview(NamedTuple):
+    """Features that are ready to be cut.
+
+    Attributes
+    ----------
+    problems : list of Problem
+    nested : list
+        Of each problem the selected edges at the smallest tau, their persistence, whether they connect
+        holes, and their place among the others of their feature (0 for the most persistent).
+    tau : float
+        The smallest.
+    """
+
+    problems: list
+    nested: list
+    tau: float
+
+    def largest_tau(self):
+        """Return the tau from which on nothing is cut, but for what connects holes."""
+        import numpy as np
+
+        most = self.tau
+        for _, persistence, _, _ in self.nested:
+            most = max(most, float(persistence[persistence < NO_END].max(initial=self.tau)))
+        return float(np.nextafter(most, np.inf))
+
+    def most_parts(self):
+        """Return the number of parts of the feature with the most."""
+        import numpy as np
+
+        most = 1
+        for problem, (selected, _, _, place) in zip(self.problems, self.nested):
+            polygons = np.bincount(problem.chunk.owner, minlength=len(problem.chunk.features))
+            feature, parts = self._features(problem, selected), polygons.copy()
+            np.maximum.at(parts, feature, polygons[feature] + place + 1)
+            most = max(most, int(parts.max(initial=1)))
+        return most
+
+    def unsolved(self):
+        """Return why polygons cannot be cut, each reason once."""
+        return list(dict.fromkeys(
+            reason for problem in self.problems for reason in problem.verdict.tolist() if reason
+        ))  # fmt: skip
+
+    def at_tau(self, tau):
+        """Return the cuts that `isthmus:partition` makes for a tau.
+
+        Returns
+        -------
+        Shown
+        """
+        from ...core.partition.solve import select
+
+        chosen = []
+        for problem in self.problems:
+            selection = select(problem.prepared, tau, with_dilation=False)
+            chosen.append((selection.selected, selection.carved.tree))
+        return self._shown(chosen)
+
+    def at_parts(self, count):
+        """Return the cuts of the level in which each feature has so many parts, or the next best.
+
+        Returns
+        -------
+        Shown
+        """
+        import numpy as np
+
+        chosen = []
+        for problem, (selected, _, in_tree, place) in zip(self.problems, self.nested):
+            polygons = np.bincount(problem.chunk.owner, minlength=len(problem.chunk.features))
+            kept = in_tree | (place < count - polygons[self._features(problem, selected)])
+            chosen.append((selected[kept], selected[in_tree]))
+        return self._shown(chosen)
+
+    @staticmethod
+    def _features(problem, edges):
+        return problem.owner[problem.prepared.owner[edges]]
+
+    def _shown(self, chosen):
+        """Draw edges, from (selected, those that connect holes) of each problem."""
+        import numpy as np
+
+        ends, parts = [np.empty((0, 2, 2))], 0
+        for problem, (selected, tree) in zip(self.problems, chosen):
+            prepared = problem.prepared
+            solved = problem.verdict[prepared.polygons.number[prepared.owner[selected]]] == ""
+            selected = selected[solved]
+            ends.append(problem.chunk.rings.coords[:, :2][prepared.edge_rows[selected]])
+            parts += len(problem.chunk.owner) + int((~np.isin(selected, tree)).sum())
+        ends = np.concatenate(ends)
+        line = np.dtype([("order", "u1"), ("kind", "<u4"), ("count", "<u4"), ("xy", "<f8", (2, 2))])
+        lines = np.zeros(len(ends), line)
+        lines["order"], lines["kind"], lines["count"], lines["xy"] = 1, 2, 2, ends
+        head = np.array([5, len(ends)], "<u4").tobytes()
+        return Shown(b"\x01" + head + lines.tobytes(), len(ends), parts)
+
+
+def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=ignore, feedback=None):
+    """Do what takes long.
+
+    Parameters
+    ----------
+    features : list of QgsFeature
+    crs : QgsCoordinateReferenceSystem
+    tau : float
+        The smallest that will be asked for.
+    places : {'Natural', 'Any'}
+    smallest_part : float
+        Per cent of the feature.
+    check : callable
+        Called now and then with the share done; may raise `Cancelled`.
+    feedback : QgsProcessingFeedback
+        For warnings.
+
+    Returns
+    -------
+    Preview
+    """
+    import numpy as np
+
+    from ...core.partition.hierarchy import hierarchy
+    from ...core.partition.solve import select
+
+    settings = Settings(
+        measure=measure_of(crs), natural=places == NATURAL,
+        floors={
+            "SMALLEST_PART": lambda feature: smallest_part, "MIN_LENGTH": lambda feature: 0.0,
+            "MIN_HOLE": lambda feature: 0.0,
+        },
+        lines=None, weigh=None, all_dilations=False,
+    )  # fmt: skip
+    problems, nested = [], []
+    for chunk in read(features, settings, feedback):
+        problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
+        prepared = problem.prepared
+        selection = select(prepared, tau, check=stretch(check, 0.5, 0.6), with_dilation=False)
+        found = hierarchy(prepared, selection, stretch(check, 0.6, 1.0))
+        selected, in_tree = selection.selected, np.isin(selection.selected, selection.carved.tree)
+        owner = prepared.owner[selected]
+        feature = problem.owner[owner]
+        # as in hierarchy._nest
+        persistence = np.clip(found.persistence, np.nextafter(tau, np.inf), NO_END)
+        solved = problem.verdict[prepared.polygons.number[owner]] == ""
+        order = np.lexsort((found.rank, owner, -persistence, feature))
+        order = order[(solved & ~in_tree)[order]]
+        first = np.searchsorted(feature[order], np.arange(len(chunk.features) + 1))
+        place = np.full(len(selected), -1)
+        place[order] = np.arange(len(order)) - first[feature[order]]
+        problems.append(problem)
+        nested.append((selected, persistence, in_tree, place))
+    return Preview(problems, nested, tau)

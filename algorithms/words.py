@@ -1,0 +1,37 @@
+"""The words of the plugin in the user's language, and where its help is."""
+
+from pathlib import Path
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QCoreApplication, QTranslator, QUrl
+
+ROOT = Path(__file__).parents[1]
+CONTEXT = "isthmus"
+
+
+def tr(text):
+    """Return a text in the user's language, or as it is where there is no translation."""
+    return QCoreApplication.translate(CONTEXT, text)
+
+
+def load_translation(language=None):
+    """Install the translation of QGIS's language, if there is one; return it, to be kept.
+
+    The files are compiled when the zip is made (tools/release.py).
+    """
+    language = language or QgsApplication.locale()
+    translator = QTranslator()
+    for name in (language, language[:2]):
+        path = ROOT / "i18n" / f"isthmus_{name}.qm"
+        if path.exists() and translator.load(str(path)):
+            QCoreApplication.installTranslator(translator)
+            return translator
+    return None
+
+
+def help_url(name="README"):
+    """Return the address of a page of the reference: in the zip as HTML, in a checkout as it is written."""
+    for path in (ROOT / "help" / f"{name}.html", ROOT / "docs" / "reference" / f"{name}.md"):
+        if path.exists():
+            return QUrl.fromLocalFile(str(path)).toString()
+    return ""

@@ -1,0 +1,1111 @@
+<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE TS>
+<TS version="2.1" language="de">
+ <context>
+  <name>isthmus</name>
+  <message>
+   <source>&lt;h3&gt;Choosing tau&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Wahl von tau&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Cost&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Kosten&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Guarantee&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Was garantiert ist&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;How it works&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Wie es geht&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;How to read it&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Wie man sie liest&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Method&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Verfahren&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Methods&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Verfahren&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Problem&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Aufgabe&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Room&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Platz&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Size of the result&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Größe des Ergebnisses&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;To show one level&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Eine Stufe zeigen&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Units&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Einheiten&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;What cannot be helped&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Was sich nicht vermeiden lässt&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;What the map should be like&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Wie die Karte sein soll&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;h3&gt;Which relevant edges&lt;/h3&gt;</source>
+   <translation>&lt;h3&gt;Welche relevanten Kanten&lt;/h3&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;3 is a good start; smaller values cut more. &lt;i&gt;Detour trade-off curve&lt;/i&gt; shows what each value costs, and &lt;i&gt;Hierarchy of natural parts&lt;/i&gt; answers all of them at once.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;3 ist ein guter Anfang; kleinere Werte schneiden mehr. Die &lt;i&gt;Umwegkurve&lt;/i&gt; zeigt, was jeder Wert kostet, und die &lt;i&gt;Hierarchie natürlicher Teile&lt;/i&gt; beantwortet alle auf einmal.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;&lt;i&gt;Beware:&lt;/i&gt; with a free number of regions and boundaries between &lt;i&gt;all&lt;/i&gt; regions, neighbours of one class are merged for their boundary alone. Choose boundaries between &lt;i&gt;classes&lt;/i&gt;, raise the weight of the centre distance, or fix the number of regions, if you do not want that.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;&lt;i&gt;Vorsicht:&lt;/i&gt; Bei freier Anzahl der Regionen und Grenzen zwischen &lt;i&gt;allen&lt;/i&gt; Regionen werden Nachbarn derselben Klasse schon ihrer Grenze wegen vereinigt. Wenn Sie das nicht möchten, wählen Sie Grenzen zwischen &lt;i&gt;Klassen&lt;/i&gt;, erhöhen Sie das Gewicht der Entfernung vom Zentrum, oder geben Sie die Anzahl der Regionen vor.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, the optimal set, is the best choice: few edges, and the shape is kept. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk and others 2013) needs more edges. &lt;i&gt;Proximity&lt;/i&gt; (Harrie and Sarjakoski 2002) and &lt;i&gt;None&lt;/i&gt; are there to compare with.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, die optimale Menge, ist die beste Wahl: wenige Kanten, und die Form bleibt erhalten. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk u. a. 2013) braucht mehr Kanten. &lt;i&gt;Proximity&lt;/i&gt; (Harrie und Sarjakoski 2002) und &lt;i&gt;None&lt;/i&gt; sind zum Vergleich da.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: the smallest area joins the neighbour that costs least; quick.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt;: starts there and improves it, for a number of steps or seconds, then is heated again several times, of which the best is kept place by place. The same seed and number of steps give the same result.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that of a short annealing, with a bound.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: Die kleinste Fläche geht an den Nachbarn, bei dem es am wenigsten kostet; schnell.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt; (simulierte Abkühlung): beginnt damit und verbessert es, eine Anzahl von Schritten oder Sekunden lang; dann wird mehrmals neu erhitzt und Ort für Ort das Beste behalten. Derselbe Startwert und dieselbe Anzahl von Schritten ergeben dasselbe.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: ein gemischt-ganzzahliges Programm (HiGHS, über scipy) für kleine Karten, mit einer unteren Schranke, die belegt, wie gut das Ergebnis ist. Dreißig Flächen dauern meist Sekunden; bei Hunderten ist das Ergebnis das einer kurzen Abkühlung, mit Schranke.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Aggregates the areas of a land-cover map for a smaller scale: every area is given to a region, and every region is contiguous, at least as large as its class demands, and has the class of at least one of its areas. Among all ways to do so the tool looks for one of least cost.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Fasst die Flächen einer Karte der Bodenbedeckung für einen kleineren Maßstab zusammen: Jede Fläche kommt zu einer Region, und jede Region hängt zusammen, ist mindestens so groß, wie es ihre Klasse verlangt, und hat die Klasse wenigstens einer ihrer Flächen. Unter allen Möglichkeiten dafür sucht das Werkzeug eine mit den geringsten Kosten.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;All lines outside the region keep their direction and shape, and their scale changes smoothly. What holds a country together are not its outlines alone: east and west coast must know of each other. So the tool adds &lt;i&gt;relevant edges&lt;/i&gt;, diagonals between points that are close to each other though the way along the outline is long, and keeps these as well. By default it finds the smallest set of them by itself, the cuts of the tool &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt;. All features are solved together: islands move with their mainland, and points that lines or polygons share stay together. The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle. Large maps are solved on a coarse triangulation of about 3,000 points and the outline of the region, and the detail is put back point by point.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Alle Linien außerhalb der Region behalten Richtung und Form, und ihr Maßstab ändert sich stetig. Ein Land wird nicht nur von seinen Umrissen zusammengehalten: Ost- und Westküste müssen voneinander wissen. Deshalb fügt das Werkzeug &lt;i&gt;relevante Kanten&lt;/i&gt; hinzu, Diagonalen zwischen Punkten, die nah beieinander liegen, obwohl der Weg am Umriss entlang weit ist, und erhält auch diese. Ohne weitere Angabe findet es selbst die kleinste Menge davon: die Schnitte des Werkzeugs &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt;. Alle Objekte werden gemeinsam gelöst: Inseln bewegen sich mit ihrem Festland, und Punkte, die Linien oder Polygone gemeinsam haben, bleiben zusammen. Der ganze Kartenrahmen, Land und Meer, wird trianguliert, und die Abbildung ist in jedem Dreieck linear. Große Karten werden auf einer groben Triangulation von etwa 3.000 Punkten und dem Umriss der Region gelöst; die Einzelheiten werden dann Punkt für Punkt wieder eingesetzt.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Areas on an island that is too small for any of their classes, and areas without a class, stay as they are, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Flächen auf einer Insel, die für jede ihrer Klassen zu klein ist, und Flächen ohne Klasse bleiben, wie sie sind; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved or added. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben oder hinzugefügt. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Cuts lie at &lt;i&gt;natural&lt;/i&gt; places only: where the outline is concave and the polygon opens up beside the cut, as people see parts, and where no side is smaller than &lt;i&gt;Smallest part&lt;/i&gt;. Lengths of the outline are then measured without the detail that is much smaller. Choose &lt;i&gt;Any&lt;/i&gt; and 0 for the problem of the paper, where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Schnitte liegen nur an &lt;i&gt;natürlichen&lt;/i&gt; Stellen: wo der Umriss einspringt und sich das Polygon neben dem Schnitt weitet, so wie Menschen Teile sehen, und wo keine Seite kleiner ist als &lt;i&gt;Kleinster Teil&lt;/i&gt;. Längen am Umriss werden dann ohne die Einzelheiten gemessen, die viel kleiner sind. Wählen Sie &lt;i&gt;Any&lt;/i&gt; und 0 für die Aufgabe des Artikels, in der jede Diagonale zählt; dann wachsen die Umwege mit der Genauigkeit des Umrisses, und tau sollte mindestens 4 sein.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much length or weight of cuts, for each feature. Instead of guessing tau, say "ten cuts".&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Zerlegt Polygone an ihren Engstellen, so weit ein Budget reicht: höchstens so viele Schnitte, oder so viel Länge oder Gewicht der Schnitte, für jedes Objekt. Statt tau zu raten, sagen Sie „zehn Schnitte“.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Cuts polygons at their isthmuses, straits and necks into natural parts: a peninsula from its continent, a bay from its sea.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Zerlegt Polygone an Landengen, Meerengen und anderen Engstellen in natürliche Teile: eine Halbinsel von ihrem Kontinent, eine Bucht von ihrem Meer.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Cuts polygons once, for every &lt;i&gt;largest detour&lt;/i&gt; (tau) from the smallest one on, and for every number of parts: bays within seas, and seas within the ocean.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Zerlegt Polygone ein einziges Mal für jeden &lt;i&gt;größten Umweg&lt;/i&gt; (tau) vom kleinsten an und für jede Anzahl von Teilen: Buchten in Meeren und Meere im Ozean.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Each part of each level is written once. A large body that loses a thousand small parts comes a thousand times: where there are so many cuts, as with PLACES = Any, give a number of parts or a larger tau.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Jeder Teil jeder Stufe wird einmal geschrieben. Ein großer Körper, der tausend kleine Teile verliert, kommt tausendmal vor: Wo es so viele Schnitte gibt, wie bei PLACES = Any, geben Sie eine Anzahl von Teilen oder ein größeres tau an.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Enlarges a region of a map and keeps the shape of the rest, as far as that is possible: a map in which one country, city or coast is larger, and all around it is still to be recognised.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Vergrößert eine Region einer Karte und erhält die Form des Übrigen, soweit das möglich ist: eine Karte, auf der ein Land, eine Stadt oder eine Küste größer und alles ringsum noch wiederzuerkennen ist.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;For polygons without holes the answer is exact for &lt;i&gt;MinSize&lt;/i&gt;. For &lt;i&gt;MinLength&lt;/i&gt; and &lt;i&gt;MinWeight&lt;/i&gt; it is so where each trial could be proven; where not, the tool says so. With holes it is the best that the tool finds. Holes must be connected by cuts, which count. A feature whose holes alone need more than the budget passes through unchanged; its status tells the least budget possible.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Für Polygone ohne Löcher ist die Antwort bei &lt;i&gt;MinSize&lt;/i&gt; exakt. Bei &lt;i&gt;MinLength&lt;/i&gt; und &lt;i&gt;MinWeight&lt;/i&gt; ist sie es, wo sich jeder Versuch beweisen ließ; wo nicht, sagt es das Werkzeug. Mit Löchern ist es das Beste, was das Werkzeug findet. Löcher müssen durch Schnitte angeschlossen werden, und diese zählen mit. Ein Objekt, dessen Löcher allein mehr als das Budget brauchen, wird unverändert ausgegeben; sein Status nennt das kleinste mögliche Budget.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Go through the curve from large tau to small. A step where the detour falls a lot for one more cut has found a real neck; then follows a long stretch where nothing changes. Where steps come thick and fast, the cuts no longer fall on necks but nibble at every bay. Good values of tau lie at the end of a long stretch.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Gehen Sie die Kurve von großem zu kleinem tau durch. Eine Stufe, an der der Umweg für einen weiteren Schnitt stark fällt, hat eine wirkliche Engstelle gefunden; dann folgt eine lange Strecke, auf der sich nichts ändert. Wo die Stufen dicht aufeinander folgen, liegen die Schnitte nicht mehr an Engstellen, sondern knabbern an jeder Bucht. Gute Werte von tau liegen am Ende einer langen Strecke.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;It begins with the fewest cuts at the smallest tau, as &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt; finds them, and takes cuts away one by one, always the one that is needed least: whose loss leaves the smallest largest detour. That detour is the &lt;i&gt;persistence&lt;/i&gt; of the cut: up to this tau it is needed. So the parts are nested; for a single tau the fewest cuts may be one less here and there.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Es beginnt mit den wenigsten Schnitten beim kleinsten tau, wie &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt; sie findet, und nimmt einen Schnitt nach dem anderen weg, immer den entbehrlichsten: den, ohne den der größte Umweg am kleinsten bleibt. Dieser Umweg ist die &lt;i&gt;Persistenz&lt;/i&gt; des Schnitts: Bis zu diesem tau wird er gebraucht. So sind die Teile ineinander geschachtelt; für ein einzelnes tau können hier und da auch einmal ein Schnitt weniger genügen.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;J.-H. Haunert and A. Wolff, Area aggregation in map generalisation by mixed-integer programming, IJGIS 24(12), 2010.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;J.-H. Haunert und A. Wolff, Area aggregation in map generalisation by mixed-integer programming, IJGIS 24(12), 2010.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant edges: J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 5.1; steps that turn no triangle: J. Smith and S. Schaefer, Bijective Parameterization with Free Boundaries, 2015; detail without a fold: H. Shen and others, Progressive Embedding, 2019.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;J.-H. Haunert und L. Sering, Drawing Road Networks with Focus Regions, 2011; relevante Kanten: J.-H. Haunert und W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, Abschnitt 5.1; Schritte, die kein Dreieck umklappen: J. Smith und S. Schaefer, Bijective Parameterization with Free Boundaries, 2015; Einzelheiten ohne Faltung: H. Shen u. a., Progressive Embedding, 2019.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 5.2.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;J.-H. Haunert und W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, Abschnitt 5.2.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;J.-H. Haunert und W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Lengths and areas are in the units of the layer; if its coordinates are degrees, they are metres and square metres on the ellipsoid. The results stay in the CRS of the layer.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Längen und Flächen sind in den Einheiten des Layers; sind seine Koordinaten Grad, dann in Metern und Quadratmetern auf dem Ellipsoid. Die Ergebnisse bleiben im KBS des Layers.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Lengths and areas are in the units of the layer; if its coordinates are degrees, they are metres and square metres on the ellipsoid.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Längen und Flächen sind in den Einheiten des Layers; sind seine Koordinaten Grad, dann in Metern und Quadratmetern auf dem Ellipsoid.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection, if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them. In the result the way along the outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no solution has fewer cuts. &lt;i&gt;MinLength&lt;/i&gt; and &lt;i&gt;MinWeight&lt;/i&gt; come with a proven lower bound of the cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for each polygon on average. Holes are first joined by shortest cuts; what follows is a good solution, not always the best, and the lower bound is that of the polygon opened along these cuts.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Gemessen werden die Diagonalen einer Delaunay-Triangulation des Polygons (in der Mercatorprojektion, wenn seine Koordinaten Grad sind), wo ein Schnitt liegen darf, und aus ihnen werden die Schnitte gewählt. Im Ergebnis ist der Weg am Umriss und an den Schnitten entlang höchstens tau-mal so lang wie jede Diagonale. Für ein Polygon ohne Löcher kommt keine Lösung mit weniger Schnitten aus. Zu &lt;i&gt;MinLength&lt;/i&gt; und &lt;i&gt;MinWeight&lt;/i&gt; gehört eine bewiesene untere Schranke der Kosten; die Suche endet, wo der Abstand zu ihr so klein ist wie verlangt, oder nach durchschnittlich neun Minuten je Polygon. Löcher werden zuerst durch kürzeste Schnitte angeschlossen; was folgt, ist eine gute, nicht immer die beste Lösung, und die untere Schranke ist die des Polygons, das an diesen Schnitten geöffnet ist.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Multipart features are split part by part. What cannot be split (invalid geometry, for one) passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Mehrteilige Objekte werden Teil für Teil zerlegt. Was sich nicht zerlegen lässt (etwa eine ungültige Geometrie), wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Run &lt;i&gt;Aggregate areas&lt;/i&gt; with the pieces next: pieces of one area that end in one region are merged again.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Führen Sie danach &lt;i&gt;Flächen zusammenfassen&lt;/i&gt; mit den Stücken aus: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Shows, for each feature, what every value of tau costs: how many cuts, or how much length or weight, &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt; would need for it. Take a value from the report as its tau, or a number of cuts as the budget of &lt;i&gt;Partition polygons within a budget&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Zeigt für jedes Objekt, was jeder Wert von tau kostet: wie viele Schnitte, oder wie viel Länge oder Gewicht, &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt; dafür braucht. Nehmen Sie einen Wert aus dem Bericht als tau, oder eine Anzahl von Schnitten als Budget für &lt;i&gt;Polygone mit einem Budget zerlegen&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Splits the areas of a land-cover map at their bottlenecks, so that &lt;i&gt;Aggregate areas&lt;/i&gt; can give the parts of one area to different regions. Less then has to change its class, and the regions become more compact.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Zerlegt die Flächen einer Karte der Bodenbedeckung an ihren Engstellen, damit &lt;i&gt;Flächen zusammenfassen&lt;/i&gt; die Teile einer Fläche verschiedenen Regionen geben kann. Dann muss weniger seine Klasse wechseln, und die Regionen werden kompakter.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Takes the pieces of &lt;i&gt;Prepare areas for aggregation&lt;/i&gt;, too: pieces of one area that end in one region are merged again.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Nimmt auch die Stücke von &lt;i&gt;Flächen für die Zusammenfassung vorbereiten&lt;/i&gt;: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved or added, so what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben oder hinzugefügt; was Nachbarn gemeinsam haben, haben sie weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 2.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die duale Aufgabe zu J.-H. Haunert und W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, Abschnitt 2.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The parts of all levels lie on top of each other. The filter &lt;i&gt;from_tau &amp;lt;= 3 AND 3 &amp;lt; to_tau&lt;/i&gt; shows the partition at tau = 3, and &lt;i&gt;persistence &amp;gt; 3&lt;/i&gt; its cuts. Parts that stay for ever have a to_tau of 1,000,000,000, and cuts that only connect a hole have this persistence.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Teile aller Stufen liegen übereinander. Der Filter &lt;i&gt;from_tau &amp;lt;= 3 AND 3 &amp;lt; to_tau&lt;/i&gt; zeigt die Zerlegung bei tau = 3, und &lt;i&gt;persistence &amp;gt; 3&lt;/i&gt; ihre Schnitte. Teile, die immer bleiben, haben ein to_tau von 1.000.000.000, und Schnitte, die nur ein Loch anschließen, haben diese Persistenz.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The region has exactly the scale asked for, or nothing is written and the tool says why. No triangle is turned over: no lines cross that did not cross before, and polygons stay valid. Where the end or a point of one line lies on another without being a point of it, or lines cross, the line gets a point there, so that they stay together. The numbers tell how much the triangles of the polygons are distorted: the change of angles that half, and 95 %, of the area do not exceed.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Region hat genau den verlangten Maßstab, oder es wird nichts geschrieben und das Werkzeug sagt, warum. Kein Dreieck wird umgeklappt: Es kreuzen sich keine Linien, die sich nicht schon vorher kreuzten, und Polygone bleiben gültig. Wo das Ende oder ein Punkt einer Linie auf einer anderen liegt, ohne ein Punkt von ihr zu sein, oder wo sich Linien kreuzen, bekommt die Linie dort einen Punkt, damit sie zusammenbleiben. Die Zahlen sagen, wie stark die Dreiecke der Polygone verzerrt sind: die Änderung der Winkel, die auf der Hälfte und auf 95 % der Fläche nicht überschritten wird.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The region may be a feature of the map: choose the same layer, and tick &lt;i&gt;Selected features only&lt;/i&gt;. A map in degrees is solved in an equidistant cylindrical projection, true at its middle latitude, and comes back in degrees; a projected CRS shows better what you get.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Region kann ein Objekt der Karte sein: Wählen Sie denselben Layer und &lt;i&gt;Nur gewählte Objekte&lt;/i&gt;. Eine Karte in Grad wird in einer abstandstreuen Zylinderprojektion gelöst, die in ihrer mittleren Breite längentreu ist, und kommt in Grad zurück; ein projiziertes KBS zeigt besser, was Sie bekommen.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The report marks the five steps that pay off most: the largest fall of the detour (on a logarithmic scale) for what they cost more.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Der Bericht hebt die fünf Stufen hervor, die sich am meisten lohnen: an denen der Umweg (auf logarithmischer Skala) für die Mehrkosten am stärksten fällt.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The style of the parts shows the level of the project variable &lt;i&gt;isthmus_tau&lt;/i&gt; (Project, Properties, Variables), or that of tau = 3. For a slider on it, enter this line in the Python console:&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Der Stil der Teile zeigt die Stufe der Projektvariablen &lt;i&gt;isthmus_tau&lt;/i&gt; (Projekt, Eigenschaften, Variablen), oder die von tau = 3. Für einen Schieberegler dafür geben Sie diese Zeile in der Python-Konsole ein:&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The sum of three parts, each with a weight:&lt;br/&gt; &lt;i&gt;class change&lt;/i&gt;: size in square metres times the distance of the two classes;&lt;br/&gt; &lt;i&gt;boundary length&lt;/i&gt;: metres between regions, or only between regions of different class;&lt;br/&gt; &lt;i&gt;centre distance&lt;/i&gt;: size times the root mean square distance, in metres, of the points of an area from the centroid of its region's core, the area that gives the region its class. Haunert and Wolff measure from centroid to centroid; then the cost would depend on how an area is cut in pieces.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Summe dreier Teile, jeder mit einem Gewicht:&lt;br/&gt; &lt;i&gt;Klassenwechsel&lt;/i&gt;: Größe in Quadratmetern mal Abstand der beiden Klassen;&lt;br/&gt; &lt;i&gt;Grenzlänge&lt;/i&gt;: Meter zwischen Regionen, oder nur zwischen Regionen verschiedener Klasse;&lt;br/&gt; &lt;i&gt;Entfernung vom Zentrum&lt;/i&gt;: Größe mal quadratisches Mittel der Entfernung, in Metern, der Punkte einer Fläche vom Schwerpunkt des Kerns ihrer Region, also der Fläche, die der Region ihre Klasse gibt. Haunert und Wolff messen von Schwerpunkt zu Schwerpunkt; dann hingen die Kosten davon ab, wie eine Fläche in Stücke zerlegt ist.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The table has one row for each step: from its tau up to that of the step before, its solution is the cheapest. The steps are exact for polygons without holes and &lt;i&gt;MinSize&lt;/i&gt;. &lt;i&gt;MinLength&lt;/i&gt; and &lt;i&gt;MinWeight&lt;/i&gt; have very many steps and take longer. Lengths are in the units of the layer; if its coordinates are degrees, they are metres.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Tabelle hat eine Zeile für jede Stufe: Von ihrem tau bis zu dem der vorigen ist ihre Lösung die günstigste. Die Stufen sind für Polygone ohne Löcher und &lt;i&gt;MinSize&lt;/i&gt; exakt. &lt;i&gt;MinLength&lt;/i&gt; und &lt;i&gt;MinWeight&lt;/i&gt; haben sehr viele Stufen und dauern länger. Längen sind in den Einheiten des Layers; sind seine Koordinaten Grad, dann in Metern.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;The tool finds the smallest detour that is achievable within the budget, and writes it to the field &lt;i&gt;tau&lt;/i&gt; of the parts. It is an achieved value: with any smaller one the budget would be exceeded. What a detour is, the tool &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt; explains.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Das Werkzeug findet den kleinsten Umweg, der mit dem Budget erreichbar ist, und schreibt ihn in das Feld &lt;i&gt;tau&lt;/i&gt; der Teile. Es ist ein erreichter Wert: Mit jedem kleineren würde das Budget überschritten. Was ein Umweg ist, erklärt das Werkzeug &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt;.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;Three sets of weights have names: &lt;i&gt;balanced&lt;/i&gt;; &lt;i&gt;keep classes&lt;/i&gt;, with a quarter of its weights for boundary and centre; &lt;i&gt;compact&lt;/i&gt;, with twice its weight for boundary and four times that for centre. A weight that is given wins. They are good for 40 hectares (1:250,000); for another minimum size multiply that of the boundary length by the square root of the ratio, and divide that of the centre distance by it.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Drei Sätze von Gewichten haben Namen: &lt;i&gt;balanced&lt;/i&gt; (ausgewogen); &lt;i&gt;keep classes&lt;/i&gt; (Klassen erhalten), mit einem Viertel von dessen Gewichten für Grenze und Zentrum; &lt;i&gt;compact&lt;/i&gt; (kompakt), mit dem Doppelten für die Grenze und dem Vierfachen für das Zentrum. Ein Gewicht, das Sie angeben, geht vor. Sie passen für 40 Hektar (1:250.000); für eine andere Mindestgröße multiplizieren Sie das der Grenzlänge mit der Wurzel aus dem Verhältnis und teilen das der Entfernung vom Zentrum durch sie.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;What the region gains, the rest has to give, or the map becomes larger: by &lt;i&gt;Growth of the map&lt;/i&gt; at most, and by no more than it needs. With no growth at all the extent is kept, and what lies between the region and the edge gets thin.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben oder hinzugefügt, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>&lt;p&gt;from qgis.PyQt.QtWidgets import QSlider; slider = QSlider(); slider.setRange(10, 300); slider.valueChanged.connect(lambda value: (QgsExpressionContextUtils.setProjectVariable(QgsProject.instance(), "isthmus_tau", value / 10), iface.mapCanvas().refreshAllLayers())); slider.show()&lt;/p&gt;</source>
+   <translation>&lt;p&gt;from qgis.PyQt.QtWidgets import QSlider; slider = QSlider(); slider.setRange(10, 300); slider.valueChanged.connect(lambda value: (QgsExpressionContextUtils.setProjectVariable(QgsProject.instance(), "isthmus_tau", value / 10), iface.mapCanvas().refreshAllLayers())); slider.show()&lt;/p&gt;</translation>
+  </message>
+  <message>
+   <source>A GeoPackage with one layer for each further layer, by its name. It is written anew.</source>
+   <translation>Ein GeoPackage mit einem Layer für jeden weiteren Layer, unter dessen Namen. Es wird neu geschrieben.</translation>
+  </message>
+  <message>
+   <source>A page with a plot for each feature and the steps that pay off most.</source>
+   <translation>Eine Seite mit einem Diagramm für jedes Objekt und den Stufen, die sich am meisten lohnen.</translation>
+  </message>
+  <message>
+   <source>A page with the cost by part, the classes before and after, and the areas above half of the minimum size that lost their class.</source>
+   <translation>Eine Seite mit den Kosten nach Bestandteilen, den Klassen vorher und nachher und den Flächen über der halben Mindestgröße, die ihre Klasse verloren haben.</translation>
+  </message>
+  <message>
+   <source>A table of neighbouring pieces a and b, the length of their shared boundary in metres, and virtual: 1 for a cut between two pieces of one area.</source>
+   <translation>Eine Tabelle benachbarter Stücke a und b, mit der Länge ihrer gemeinsamen Grenze in Metern und virtual: 1 für einen Schnitt zwischen zwei Stücken einer Fläche.</translation>
+  </message>
+  <message>
+   <source>A table with a row for each step: source (id of the feature), tau (the least dilation achievable at this cost), cuts, length, cost, largest_part_share (the area of the largest part in that of the feature).</source>
+   <translation>Eine Tabelle mit einer Zeile für jede Stufe: source (ID des Objekts), tau (die kleinste zu diesen Kosten erreichbare Dilatation), cuts, length, cost, largest_part_share (Anteil des größten Teils an der Fläche des Objekts).</translation>
+  </message>
+  <message>
+   <source>A table with the fields class and threshold (square metres). A class whose threshold is empty may not appear in the result.</source>
+   <translation>Eine Tabelle mit den Feldern class und threshold (Quadratmeter). Eine Klasse ohne threshold darf im Ergebnis nicht vorkommen.</translation>
+  </message>
+  <message>
+   <source>A table with the fields from, to and distance. Where only one direction is listed, it is used for both.</source>
+   <translation>Eine Tabelle mit den Feldern from, to und distance. Steht nur eine Richtung darin, gilt sie für beide.</translation>
+  </message>
+  <message>
+   <source>Aggregate areas</source>
+   <translation>Flächen zusammenfassen</translation>
+  </message>
+  <message>
+   <source>All candidate diagonals</source>
+   <translation>Alle möglichen Diagonalen</translation>
+  </message>
+  <message>
+   <source>All features and fields of the map.</source>
+   <translation>Alle Objekte und Felder der Karte.</translation>
+  </message>
+  <message>
+   <source>All fields of the areas, and area_id (the id of the area), piece (a number for each piece), size (in square metres) and status (empty, or why an area was not cut).</source>
+   <translation>Alle Felder der Flächen, dazu area_id (ID der Fläche), piece (eine Nummer für jedes Stück), size (in Quadratmetern) und status (leer, oder warum eine Fläche nicht zerlegt wurde).</translation>
+  </message>
+  <message>
+   <source>All fields of the polygons, and part (1 for the largest of a feature), parts (their number), status (empty, or why a polygon was not cut), cost and gap of the solution of the feature (gap in per cent), and source (the id of the feature), tau.</source>
+   <translation>Alle Felder der Polygone, dazu part (1 für den größten Teil eines Objekts), parts (ihre Anzahl), status (leer, oder warum ein Polygon nicht zerlegt wurde), cost und gap der Lösung des Objekts (gap in Prozent), source (ID des Objekts) und tau.</translation>
+  </message>
+  <message>
+   <source>All fields of the polygons, and part (1 for the largest of a feature), parts (their number), status (empty, or why a polygon was not cut), cost and gap of the solution of the feature (gap in per cent), and source (the id of the feature).</source>
+   <translation>Alle Felder der Polygone, dazu part (1 für den größten Teil eines Objekts), parts (ihre Anzahl), status (leer, oder warum ein Polygon nicht zerlegt wurde), cost und gap der Lösung des Objekts (gap in Prozent) und source (ID des Objekts).</translation>
+  </message>
+  <message>
+   <source>An area that is large enough by itself is always the core of a region. The map then falls into parts that are solved one by one; the lower bound is that of solutions with this property.</source>
+   <translation>Eine Fläche, die allein groß genug ist, ist immer Kern einer Region. Die Karte zerfällt dann in Teile, die einzeln gelöst werden; die untere Schranke gilt für Lösungen mit dieser Eigenschaft.</translation>
+  </message>
+  <message>
+   <source>An expression for the weight of a possible cut, such as @length / @detour. It sees the line's geometry, @length, @detour, the fields of the polygon and, where you give lines to choose from, the fields of the line. Zero makes a cut free.</source>
+   <translation>Ein Ausdruck für das Gewicht eines möglichen Schnitts, etwa @length / @detour. Er sieht die Geometrie der Linie, @length, @detour, die Felder des Polygons und, wo Sie Linien zur Auswahl geben, die Felder der Linie. Bei Null kostet ein Schnitt nichts.</translation>
+  </message>
+  <message>
+   <source>Angular distortion, 95 % (degrees)</source>
+   <translation>Winkelverzerrung, 95 % (Grad)</translation>
+  </message>
+  <message>
+   <source>Another seed gives another result.</source>
+   <translation>Ein anderer Startwert gibt ein anderes Ergebnis.</translation>
+  </message>
+  <message>
+   <source>Any</source>
+   <translation>Überall (Any)</translation>
+  </message>
+  <message>
+   <source>Area aggregation</source>
+   <translation>Flächenaggregation</translation>
+  </message>
+  <message>
+   <source>Area upside down (%)</source>
+   <translation>Umgeklappte Fläche (%)</translation>
+  </message>
+  <message>
+   <source>Areas</source>
+   <translation>Flächen</translation>
+  </message>
+  <message>
+   <source>Areas that fill a map, or the pieces of Prepare areas for aggregation.</source>
+   <translation>Flächen, die eine Karte füllen, oder die Stücke von „Flächen für die Zusammenfassung vorbereiten“.</translation>
+  </message>
+  <message>
+   <source>Areas with their regions</source>
+   <translation>Flächen mit ihren Regionen</translation>
+  </message>
+  <message>
+   <source>BSD</source>
+   <translation>BSD</translation>
+  </message>
+  <message>
+   <source>Boundaries that count: of regions or of classes</source>
+   <translation>Welche Grenzen zählen: von Regionen oder Klassen</translation>
+  </message>
+  <message>
+   <source>Budget of a feature (cuts, length or weight)</source>
+   <translation>Budget je Objekt (Schnitte, Länge oder Gewicht)</translation>
+  </message>
+  <message>
+   <source>Cancel</source>
+   <translation>Abbrechen</translation>
+  </message>
+  <message>
+   <source>Carried layers</source>
+   <translation>Mitgeführte Layer</translation>
+  </message>
+  <message>
+   <source>Choose a layer, and find its cuts once. Then move the slider.</source>
+   <translation>Wählen Sie einen Layer und lassen Sie seine Schnitte einmal suchen. Dann bewegen Sie den Regler.</translation>
+  </message>
+  <message>
+   <source>Class field</source>
+   <translation>Feld der Klasse</translation>
+  </message>
+  <message>
+   <source>Classes that may not appear in the result, separated by commas.</source>
+   <translation>Klassen, die im Ergebnis nicht vorkommen dürfen, durch Kommas getrennt.</translation>
+  </message>
+  <message>
+   <source>Copy the command</source>
+   <translation>Befehl kopieren</translation>
+  </message>
+  <message>
+   <source>Cost of all solutions</source>
+   <translation>Kosten aller Lösungen</translation>
+  </message>
+  <message>
+   <source>Cost of boundary length</source>
+   <translation>Kosten der Grenzlänge</translation>
+  </message>
+  <message>
+   <source>Cost of centre distance</source>
+   <translation>Kosten der Entfernung vom Zentrum</translation>
+  </message>
+  <message>
+   <source>Cost of class change</source>
+   <translation>Kosten des Klassenwechsels</translation>
+  </message>
+  <message>
+   <source>Cuts</source>
+   <translation>Schnitte</translation>
+  </message>
+  <message>
+   <source>Cuts by persistence</source>
+   <translation>Schnitte nach Persistenz</translation>
+  </message>
+  <message>
+   <source>Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts.</source>
+   <translation>Zerlegt Polygone an Engstellen mit höchstens so vielen Schnitten oder so viel Schnittlänge.</translation>
+  </message>
+  <message>
+   <source>Cuts polygons at isthmuses, straits and necks into natural parts.</source>
+   <translation>Zerlegt Polygone an Landengen, Meerengen und anderen Engstellen in natürliche Teile.</translation>
+  </message>
+  <message>
+   <source>Cuts polygons into natural parts for every tau and every number of parts at once.</source>
+   <translation>Zerlegt Polygone in natürliche Teile, für jedes tau und jede Anzahl von Teilen auf einmal.</translation>
+  </message>
+  <message>
+   <source>Deformation</source>
+   <translation>Deformation</translation>
+  </message>
+  <message>
+   <source>Detour trade-off curve</source>
+   <translation>Umwegkurve</translation>
+  </message>
+  <message>
+   <source>Distance of classes</source>
+   <translation>Abstand der Klassen</translation>
+  </message>
+  <message>
+   <source>Enlarge a region in context</source>
+   <translation>Region im Zusammenhang vergrößern</translation>
+  </message>
+  <message>
+   <source>Enlarges a region of a map and keeps the shape of the rest.</source>
+   <translation>Vergrößert eine Region einer Karte und erhält die Form des Übrigen.</translation>
+  </message>
+  <message>
+   <source>Every candidate, with its detour before any cut, its dilation in the solution, and its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.</source>
+   <translation>Jede mögliche Diagonale, mit ihrem Umweg vor allen Schnitten, ihrer Dilatation in der Lösung und ihrer Rolle: SELF ist ein Schnitt; LEAF und ROOT sagen, auf welcher Seite der Weg herum liegt.</translation>
+  </message>
+  <message>
+   <source>Every part of every level once, with all fields of the polygons, and part (its number in the feature, by level and size), parent (the part that it becomes a piece of; empty for those that stay), level (0 is the finest; that in which it comes up), from_tau and to_tau (it is there where from_tau &lt;= tau &lt; to_tau), source (the id of the feature) and status (empty, or why a polygon was not cut).</source>
+   <translation>Jeder Teil jeder Stufe einmal, mit allen Feldern der Polygone, dazu part (seine Nummer im Objekt, nach Stufe und Größe), parent (der Teil, in dem er aufgeht; leer bei denen, die bleiben), level (0 ist die feinste Stufe; die, in der er entsteht), from_tau und to_tau (es gibt ihn, wo from_tau &lt;= tau &lt; to_tau), source (ID des Objekts) und status (leer, oder warum ein Polygon nicht zerlegt wurde).</translation>
+  </message>
+  <message>
+   <source>Exact: large areas stay cores of their own</source>
+   <translation>Exakt: Große Flächen bleiben eigene Kerne</translation>
+  </message>
+  <message>
+   <source>Excluded classes</source>
+   <translation>Ausgeschlossene Klassen</translation>
+  </message>
+  <message>
+   <source>Fetch and install</source>
+   <translation>Holen und installieren</translation>
+  </message>
+  <message>
+   <source>Field with the area of a piece</source>
+   <translation>Feld mit der Fläche eines Stücks</translation>
+  </message>
+  <message>
+   <source>Find the cuts</source>
+   <translation>Schnitte suchen</translation>
+  </message>
+  <message>
+   <source>Focus map</source>
+   <translation>Fokuskarte</translation>
+  </message>
+  <message>
+   <source>For MinLength and MinWeight, which are hard to solve exactly: how much more than the proven lower bound a solution may cost. 0 asks for a proof of optimality. MinSize is always optimal.</source>
+   <translation>Für MinLength und MinWeight, die schwer exakt zu lösen sind: wie viel mehr als die bewiesene untere Schranke eine Lösung kosten darf. 0 verlangt einen Beweis der Optimalität. MinSize ist immer optimal.</translation>
+  </message>
+  <message>
+   <source>For each metre of boundary. Not set: 45 (balanced), 11.25 (keep classes), 90 (compact).</source>
+   <translation>Für jeden Meter Grenze. Ohne Angabe: 45 (balanced), 11,25 (keep classes), 90 (compact).</translation>
+  </message>
+  <message>
+   <source>For each square metre times class distance. Not set: 1, as all named weights have it.</source>
+   <translation>Für jeden Quadratmeter mal Abstand der Klassen. Ohne Angabe: 1, wie bei allen Gewichten mit Namen.</translation>
+  </message>
+  <message>
+   <source>For each square metre times metre. Not set: 0.00014 (balanced), 0.000035 (keep classes), 0.00056 (compact).</source>
+   <translation>Für jeden Quadratmeter mal Meter. Ohne Angabe: 0,00014 (balanced), 0,000035 (keep classes), 0,00056 (compact).</translation>
+  </message>
+  <message>
+   <source>Further layers to carry along</source>
+   <translation>Weitere Layer, die mitgeführt werden</translation>
+  </message>
+  <message>
+   <source>Growth of the map (%)</source>
+   <translation>Wachstum der Karte (%)</translation>
+  </message>
+  <message>
+   <source>Help</source>
+   <translation>Hilfe</translation>
+  </message>
+  <message>
+   <source>Hierarchy of natural parts</source>
+   <translation>Hierarchie natürlicher Teile</translation>
+  </message>
+  <message>
+   <source>Holes with a smaller area stay holes of a part, and no cut is attached to them. In the squared units of the layer, or in square metres if its coordinates are degrees. A field or expression can set it for each feature.</source>
+   <translation>Löcher mit kleinerer Fläche bleiben Löcher eines Teils, und kein Schnitt schließt sie an. In den Quadrateinheiten des Layers, oder in Quadratmetern, wenn seine Koordinaten Grad sind. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>How large every region must be at least. Classes in the table of minimum sizes have their own.</source>
+   <translation>Wie groß jede Region mindestens sein muss. Klassen in der Tabelle der Mindestgrößen haben ihre eigene.</translation>
+  </message>
+  <message>
+   <source>How many moves are tried.</source>
+   <translation>Wie viele Züge versucht werden.</translation>
+  </message>
+  <message>
+   <source>How many times as large the region becomes, exactly. Below 1 it shrinks; 1 changes nothing.</source>
+   <translation>Wievielmal so groß die Region wird, genau. Unter 1 schrumpft sie; 1 ändert nichts.</translation>
+  </message>
+  <message>
+   <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more.</source>
+   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr.</translation>
+  </message>
+  <message>
+   <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
+   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>How much wider and higher the frame may become, to both sides. It grows by 1.4 times what the region gains, if that is less. 0 keeps the extent. Not used where the frame is switched off.</source>
+   <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst um das 1,4-Fache dessen, was die Region gewinnt, wenn das weniger ist. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
+  </message>
+  <message>
+   <source>Ignore cuts below (layer units; metres if degrees)</source>
+   <translation>Kürzere Schnitte nicht (Layereinheiten; Grad: m)</translation>
+  </message>
+  <message>
+   <source>Ignore holes below (layer units²; m² if degrees)</source>
+   <translation>Kleinere Löcher nicht (Layereinheiten²; Grad: m²)</translation>
+  </message>
+  <message>
+   <source>In the folder: {names}</source>
+   <translation>Im Ordner: {names}</translation>
+  </message>
+  <message>
+   <source>Install packages…</source>
+   <translation>Pakete installieren…</translation>
+  </message>
+  <message>
+   <source>Isthmus example</source>
+   <translation>Beispiel für Isthmus</translation>
+  </message>
+  <message>
+   <source>Isthmus: fetching packages</source>
+   <translation>Isthmus: Pakete werden geholt</translation>
+  </message>
+  <message>
+   <source>Isthmus: finding cuts</source>
+   <translation>Isthmus: Schnitte werden gesucht</translation>
+  </message>
+  <message>
+   <source>Isthmus: install packages</source>
+   <translation>Isthmus: Pakete installieren</translation>
+  </message>
+  <message>
+   <source>Isthmus: natural partitions of polygons</source>
+   <translation>Isthmus: natürliche Zerlegung von Polygonen</translation>
+  </message>
+  <message>
+   <source>Isthmus: try values of tau</source>
+   <translation>Isthmus: Werte von tau ausprobieren</translation>
+  </message>
+  <message>
+   <source>It cuts all features of the layer, for the command line knows no selection.</source>
+   <translation>Er zerlegt alle Objekte des Layers, denn die Kommandozeile kennt keine Auswahl.</translation>
+  </message>
+  <message>
+   <source>Joins small land-cover areas to regions of a minimum size at least cost.</source>
+   <translation>Vereinigt kleine Flächen der Bodenbedeckung zu geringsten Kosten zu Regionen einer Mindestgröße.</translation>
+  </message>
+  <message>
+   <source>Keep the extent of the map (frame)</source>
+   <translation>Ausdehnung der Karte erhalten (Rahmen)</translation>
+  </message>
+  <message>
+   <source>Largest detour (tau)</source>
+   <translation>Größter Umweg (tau)</translation>
+  </message>
+  <message>
+   <source>Largest dilation of a candidate</source>
+   <translation>Größte Dilatation einer Diagonalen</translation>
+  </message>
+  <message>
+   <source>Largest gap to the proven lower bound (per cent)</source>
+   <translation>Größter Abstand zur unteren Schranke (Prozent)</translation>
+  </message>
+  <message>
+   <source>Largest tau (0: no bound)</source>
+   <translation>Größtes tau (0: unbegrenzt)</translation>
+  </message>
+  <message>
+   <source>Lines to choose the cuts from</source>
+   <translation>Linien, aus denen Schnitte gewählt werden</translation>
+  </message>
+  <message>
+   <source>Lower bound of the total cost (exact)</source>
+   <translation>Untere Schranke der Gesamtkosten (exact)</translation>
+  </message>
+  <message>
+   <source>MPL-2.0</source>
+   <translation>MPL-2.0</translation>
+  </message>
+  <message>
+   <source>Map (polygons or lines)</source>
+   <translation>Karte (Polygone oder Linien)</translation>
+  </message>
+  <message>
+   <source>Median angular distortion (degrees)</source>
+   <translation>Mittlere Winkelverzerrung (Median, Grad)</translation>
+  </message>
+  <message>
+   <source>Method</source>
+   <translation>Verfahren</translation>
+  </message>
+  <message>
+   <source>MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.</source>
+   <translation>MinSize: möglichst wenige Schnitte. MinLength: möglichst wenig Länge der Schnitte.</translation>
+  </message>
+  <message>
+   <source>MinSize: the fewest edges so that no way along outline and edges is more than tau times as long as the straight line, for all diagonals of a triangulation. MinLength: those of least total length. Greedy: van Dijk and others 2013. Proximity: Harrie and Sarjakoski 2002. None: only the lines of the map.</source>
+   <translation>MinSize: die wenigsten Kanten, bei denen für alle Diagonalen einer Triangulation kein Weg am Umriss und an den Kanten entlang mehr als tau-mal so lang ist wie die gerade Linie. MinLength: die mit der kleinsten Gesamtlänge. Greedy: van Dijk u. a. 2013. Proximity: Harrie und Sarjakoski 2002. None: nur die Linien der Karte.</translation>
+  </message>
+  <message>
+   <source>MinSize: the number of cuts. MinLength: their total length, which gives the most natural parts. MinWeight: the sum of the weights that you give them.</source>
+   <translation>MinSize: die Anzahl der Schnitte. MinLength: ihre Gesamtlänge, was die natürlichsten Teile ergibt. MinWeight: die Summe der Gewichte, die Sie ihnen geben.</translation>
+  </message>
+  <message>
+   <source>Minimum size (square metres)</source>
+   <translation>Mindestgröße (Quadratmeter)</translation>
+  </message>
+  <message>
+   <source>Minimum sizes by class</source>
+   <translation>Mindestgrößen nach Klasse</translation>
+  </message>
+  <message>
+   <source>Most steps of a feature</source>
+   <translation>Höchstzahl der Stufen eines Objekts</translation>
+  </message>
+  <message>
+   <source>Natural</source>
+   <translation>Natürlich (Natural)</translation>
+  </message>
+  <message>
+   <source>Natural: only where people see parts meet, at places where the outline is concave and the polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, as in the paper.</source>
+   <translation>Natural (natürlich): nur wo Menschen Teile aneinanderstoßen sehen, an Stellen, wo der Umriss einspringt und sich das Polygon neben dem Schnitt weitet. Any (überall): zwischen je zwei Stützpunkten, die eine Triangulation verbindet, wie im Artikel.</translation>
+  </message>
+  <message>
+   <source>Neighbours</source>
+   <translation>Nachbarn</translation>
+  </message>
+  <message>
+   <source>Not everything can be cut: {reasons}</source>
+   <translation>Nicht alles lässt sich zerlegen: {reasons}</translation>
+  </message>
+  <message>
+   <source>Nothing is missing: all tools can run.</source>
+   <translation>Es fehlt nichts: Alle Werkzeuge können laufen.</translation>
+  </message>
+  <message>
+   <source>Number of areas</source>
+   <translation>Anzahl der Flächen</translation>
+  </message>
+  <message>
+   <source>Number of areas above half of the minimum size that lost their class</source>
+   <translation>Flächen über der halben Mindestgröße, die ihre Klasse verloren</translation>
+  </message>
+  <message>
+   <source>Number of areas not cut for a reason</source>
+   <translation>Anzahl der mit Grund nicht zerlegten Flächen</translation>
+  </message>
+  <message>
+   <source>Number of areas without geometry or class</source>
+   <translation>Anzahl der Flächen ohne Geometrie oder Klasse</translation>
+  </message>
+  <message>
+   <source>Number of cuts</source>
+   <translation>Anzahl der Schnitte</translation>
+  </message>
+  <message>
+   <source>Number of features not solved</source>
+   <translation>Anzahl der nicht gelösten Objekte</translation>
+  </message>
+  <message>
+   <source>Number of gaps</source>
+   <translation>Anzahl der Lücken</translation>
+  </message>
+  <message>
+   <source>Number of new crossings</source>
+   <translation>Anzahl neuer Kreuzungen</translation>
+  </message>
+  <message>
+   <source>Number of overlapping pairs of areas</source>
+   <translation>Anzahl überlappender Paare von Flächen</translation>
+  </message>
+  <message>
+   <source>Number of parts</source>
+   <translation>Anzahl der Teile</translation>
+  </message>
+  <message>
+   <source>Number of parts in all levels</source>
+   <translation>Anzahl der Teile in allen Stufen</translation>
+  </message>
+  <message>
+   <source>Number of parts of each feature</source>
+   <translation>Anzahl der Teile jedes Objekts</translation>
+  </message>
+  <message>
+   <source>Number of pieces</source>
+   <translation>Anzahl der Stücke</translation>
+  </message>
+  <message>
+   <source>Number of regions</source>
+   <translation>Anzahl der Regionen</translation>
+  </message>
+  <message>
+   <source>Number of regions (0: free)</source>
+   <translation>Anzahl der Regionen (0: frei)</translation>
+  </message>
+  <message>
+   <source>Number of regions that are too small</source>
+   <translation>Anzahl zu kleiner Regionen</translation>
+  </message>
+  <message>
+   <source>Number of relevant edges</source>
+   <translation>Anzahl relevanter Kanten</translation>
+  </message>
+  <message>
+   <source>On: the map stays inside the extent that it has, but for the growth below, and reaches to its sides. Off: it grows as it likes, the region stays where it is, and the outermost points keep their scale.</source>
+   <translation>An: Die Karte bleibt in ihrer Ausdehnung, bis auf das Wachstum unten, und reicht bis an deren Ränder. Aus: Sie wächst, wie sie mag, die Region bleibt an ihrem Ort, und die äußersten Punkte behalten ihren Maßstab.</translation>
+  </message>
+  <message>
+   <source>One or more polygons around what is to become larger. A rough outline will do: what counts are the points of the map inside.</source>
+   <translation>Ein oder mehrere Polygone um das, was größer werden soll. Ein grober Umriss genügt: Es zählen die Punkte der Karte darin.</translation>
+  </message>
+  <message>
+   <source>Only the level with so many parts</source>
+   <translation>Nur die Stufe mit so vielen Teilen</translation>
+  </message>
+  <message>
+   <source>Parameters</source>
+   <translation>Parameter</translation>
+  </message>
+  <message>
+   <source>Partition</source>
+   <translation>Zerlegung</translation>
+  </message>
+  <message>
+   <source>Partition polygons at bottlenecks</source>
+   <translation>Polygone an Engstellen zerlegen</translation>
+  </message>
+  <message>
+   <source>Partition polygons within a budget</source>
+   <translation>Polygone mit einem Budget zerlegen</translation>
+  </message>
+  <message>
+   <source>Parts</source>
+   <translation>Teile</translation>
+  </message>
+  <message>
+   <source>Parts of all levels</source>
+   <translation>Teile aller Stufen</translation>
+  </message>
+  <message>
+   <source>Pieces</source>
+   <translation>Stücke</translation>
+  </message>
+  <message>
+   <source>Please start QGIS again: an older shapely is in use.</source>
+   <translation>Bitte starten Sie QGIS neu: Ein älteres shapely ist in Gebrauch.</translation>
+  </message>
+  <message>
+   <source>Polygons</source>
+   <translation>Polygone</translation>
+  </message>
+  <message>
+   <source>Possible cuts that are shorter than this are left out, whatever the detour: those of creeks and inlets you do not care for. A hole may still be connected by a shorter cut. In the units of the layer, or in metres if its coordinates are degrees. A field or expression can set it for each feature.</source>
+   <translation>Mögliche Schnitte, die kürzer sind, fallen weg, wie groß der Umweg auch ist: die von Bächen und kleinen Buchten, auf die es Ihnen nicht ankommt. Ein Loch kann trotzdem durch einen kürzeren Schnitt angeschlossen werden. In den Einheiten des Layers, oder in Metern, wenn seine Koordinaten Grad sind. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>Prepare areas for aggregation</source>
+   <translation>Flächen für die Zusammenfassung vorbereiten</translation>
+  </message>
+  <message>
+   <source>Proven lower bound of the cost</source>
+   <translation>Bewiesene untere Schranke der Kosten</translation>
+  </message>
+  <message>
+   <source>Region to enlarge</source>
+   <translation>Region, die vergrößert wird</translation>
+  </message>
+  <message>
+   <source>Regions</source>
+   <translation>Regionen</translation>
+  </message>
+  <message>
+   <source>Relevant edges</source>
+   <translation>Relevante Kanten</translation>
+  </message>
+  <message>
+   <source>Relevant edges used</source>
+   <translation>Verwendete relevante Kanten</translation>
+  </message>
+  <message>
+   <source>Removed.</source>
+   <translation>Entfernt.</translation>
+  </message>
+  <message>
+   <source>Report</source>
+   <translation>Bericht</translation>
+  </message>
+  <message>
+   <source>Results</source>
+   <translation>Ergebnisse</translation>
+  </message>
+  <message>
+   <source>Rivers, towns, labels: deformed as the map around them.</source>
+   <translation>Flüsse, Orte, Beschriftungen: verformt wie die Karte um sie herum.</translation>
+  </message>
+  <message>
+   <source>Rule for relevant edges, where none are given</source>
+   <translation>Regel für relevante Kanten, wo keine gegeben sind</translation>
+  </message>
+  <message>
+   <source>Save the layer first, as polygons.gpkg: it is only in memory.</source>
+   <translation>Speichern Sie den Layer zuerst, als polygons.gpkg: Er ist nur im Arbeitsspeicher.</translation>
+  </message>
+  <message>
+   <source>Scale (times as large)</source>
+   <translation>Maßstab (wievielmal so groß)</translation>
+  </message>
+  <message>
+   <source>Scale reached in the focus</source>
+   <translation>Im Fokus erreichter Maßstab</translation>
+  </message>
+  <message>
+   <source>Seconds to search (0: not limited)</source>
+   <translation>Sekunden für die Suche (0: unbegrenzt)</translation>
+  </message>
+  <message>
+   <source>Seed of annealing</source>
+   <translation>Startwert des Zufalls (annealing)</translation>
+  </message>
+  <message>
+   <source>Selected features only</source>
+   <translation>Nur gewählte Objekte</translation>
+  </message>
+  <message>
+   <source>Share of the area whose class changed</source>
+   <translation>Anteil der Fläche, deren Klasse gewechselt hat</translation>
+  </message>
+  <message>
+   <source>Shows what each value of tau costs, and marks the values that pay off.</source>
+   <translation>Zeigt, was jeder Wert von tau kostet, und hebt die Werte hervor, die sich lohnen.</translation>
+  </message>
+  <message>
+   <source>Smaller parts are not cut off, smaller holes attract no cuts, and the length of the outline is measured without the detail that is much smaller. 0: everything counts. A field or expression can set it for each feature.</source>
+   <translation>Kleinere Teile werden nicht abgeschnitten, kleinere Löcher ziehen keine Schnitte an, und die Länge des Umrisses wird ohne die viel kleineren Einzelheiten gemessen. 0: Alles zählt. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>Smaller values give more edges and a stiffer map. Not used by Proximity; where there are islands, edges join them by the same measure.</source>
+   <translation>Kleinere Werte ergeben mehr Kanten und eine steifere Karte. Bei Proximity nicht verwendet; wo es Inseln gibt, verbinden Kanten sie nach demselben Maß.</translation>
+  </message>
+  <message>
+   <source>Smallest part (per cent of the feature)</source>
+   <translation>Kleinster Teil (Prozent des Objekts)</translation>
+  </message>
+  <message>
+   <source>Smallest part (per cent)</source>
+   <translation>Kleinster Teil (Prozent)</translation>
+  </message>
+  <message>
+   <source>Smallest tau</source>
+   <translation>Kleinstes tau</translation>
+  </message>
+  <message>
+   <source>Smallest tau, where the finest level begins</source>
+   <translation>Kleinstes tau, mit dem die feinste Stufe beginnt</translation>
+  </message>
+  <message>
+   <source>Splits land-cover areas at bottlenecks before they are aggregated.</source>
+   <translation>Zerlegt Flächen der Bodenbedeckung an Engstellen, bevor sie zusammengefasst werden.</translation>
+  </message>
+  <message>
+   <source>Steps of annealing (0: 10,000 an area)</source>
+   <translation>Schritte der Abkühlung (0: 10.000 je Fläche)</translation>
+  </message>
+  <message>
+   <source>Table of class distances</source>
+   <translation>Tabelle der Klassenabstände</translation>
+  </message>
+  <message>
+   <source>The areas of a map, which fill it without overlaps and gaps.</source>
+   <translation>Die Flächen einer Karte, die sie ohne Überlappungen und Lücken füllen.</translation>
+  </message>
+  <message>
+   <source>The areas with all fields, region, new_class, changed (1 or 0) and status.</source>
+   <translation>Die Flächen mit allen Feldern, dazu region, new_class, changed (1 oder 0) und status.</translation>
+  </message>
+  <message>
+   <source>The command is on the clipboard.</source>
+   <translation>Der Befehl ist in der Zwischenablage.</translation>
+  </message>
+  <message>
+   <source>The curve ends after so many steps, though the smallest tau may not be reached.</source>
+   <translation>Die Kurve endet nach so vielen Stufen, auch wenn das kleinste tau noch nicht erreicht ist.</translation>
+  </message>
+  <message>
+   <source>The cuts, with the id of their polygon (source), length, detour (how many times longer the way along the outline was; empty if only a cut connects the ends), persistence (the tau up to which the cut is needed) and rank (1 for the most persistent of the feature).</source>
+   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), persistence (bis zu welchem tau der Schnitt gebraucht wird) und rank (1 für den mit der größten Persistenz im Objekt).</translation>
+  </message>
+  <message>
+   <source>The cuts, with the id of their polygon (source), length, detour (how many times longer the way along the outline was; empty if only a cut connects the ends), the parts on both sides (part_a, part_b; equal where a cut only connects a hole), and share (the smaller side as per cent of the feature's area; empty where that was not measured).</source>
+   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), den Teilen auf beiden Seiten (part_a, part_b; gleich, wo ein Schnitt nur ein Loch anschließt) und share (die kleinere Seite in Prozent der Fläche des Objekts; leer, wo das nicht gemessen wurde).</translation>
+  </message>
+  <message>
+   <source>The field that is equal for the pieces of one area. Default: area_id, if there are fields area_id and piece.</source>
+   <translation>Das Feld, das für die Stücke einer Fläche gleich ist. Ohne Angabe: area_id, wenn es Felder area_id und piece gibt.</translation>
+  </message>
+  <message>
+   <source>The field with the class of each area.</source>
+   <translation>Das Feld mit der Klasse jeder Fläche.</translation>
+  </message>
+  <message>
+   <source>The field with the class of each area. Areas without one are reported.</source>
+   <translation>Das Feld mit der Klasse jeder Fläche. Flächen ohne Klasse werden gemeldet.</translation>
+  </message>
+  <message>
+   <source>The largest detour in the finest level: how many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
+   <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>The largest number of cuts (MinSize), total length (MinLength) or total weight (MinWeight) for each feature; length in the units of the layer, or in metres if its coordinates are degrees. A field or expression can set it for each feature.</source>
+   <translation>Die größte Anzahl von Schnitten (MinSize), Gesamtlänge (MinLength) oder Summe der Gewichte (MinWeight) für jedes Objekt; Längen in den Einheiten des Layers, oder in Metern, wenn seine Koordinaten Grad sind. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+  </message>
+  <message>
+   <source>The layers could not be written.</source>
+   <translation>Die Layer konnten nicht geschrieben werden.</translation>
+  </message>
+  <message>
+   <source>The polygons or lines of the map. All features are solved together.</source>
+   <translation>Die Polygone oder Linien der Karte. Alle Objekte werden gemeinsam gelöst.</translation>
+  </message>
+  <message>
+   <source>The polygons to cut.</source>
+   <translation>Die Polygone, die zerlegt werden.</translation>
+  </message>
+  <message>
+   <source>The regions with region (number), the class field, size (square metres), areas (how many), core (id of the area whose class was kept) and status (why it is too small).</source>
+   <translation>Die Regionen mit region (Nummer), dem Feld der Klasse, size (Quadratmeter), areas (wie viele Flächen), core (ID der Fläche, deren Klasse erhalten ist) und status (warum sie zu klein ist).</translation>
+  </message>
+  <message>
+   <source>The relevant edges where they are in the focus map: kind (selected, given, or join between islands), length before, and stretch (length after over length before).</source>
+   <translation>Die relevanten Kanten, wo sie in der Fokuskarte liegen: kind (selected: gewählt, given: gegeben, join: Verbindung zwischen Inseln), length (Länge vorher) und stretch (Länge nachher durch Länge vorher).</translation>
+  </message>
+  <message>
+   <source>These Python packages are missing in QGIS. A click fetches them from pypi.org and puts them into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above all, stay as they are.</source>
+   <translation>Diese Python-Pakete fehlen in QGIS. Ein Klick holt sie von pypi.org und legt sie in den Ordner {folder}, den allein Isthmus zu QGIS hinzunimmt. Die Pakete von QGIS, vor allem numpy, bleiben, wie sie sind.</translation>
+  </message>
+  <message>
+   <source>They are in use, and go when QGIS starts again.</source>
+   <translation>Sie sind in Gebrauch und verschwinden, wenn QGIS neu startet.</translation>
+  </message>
+  <message>
+   <source>Time (seconds)</source>
+   <translation>Zeit (Sekunden)</translation>
+  </message>
+  <message>
+   <source>Total cost</source>
+   <translation>Gesamtkosten</translation>
+  </message>
+  <message>
+   <source>Total length of the cuts</source>
+   <translation>Gesamtlänge der Schnitte</translation>
+  </message>
+  <message>
+   <source>Trade-off report</source>
+   <translation>Bericht zur Umwegkurve</translation>
+  </message>
+  <message>
+   <source>Trade-off steps</source>
+   <translation>Stufen der Umwegkurve</translation>
+  </message>
+  <message>
+   <source>Try it on an example</source>
+   <translation>An einem Beispiel ausprobieren</translation>
+  </message>
+  <message>
+   <source>Try values of tau…</source>
+   <translation>Werte von tau ausprobieren…</translation>
+  </message>
+  <message>
+   <source>Undo: remove them</source>
+   <translation>Rückgängig: Pakete entfernen</translation>
+  </message>
+  <message>
+   <source>Wanted number of regions, for greedy and annealing. Said if it cannot be reached.</source>
+   <translation>Gewünschte Anzahl von Regionen, für greedy und annealing. Wenn sie nicht erreichbar ist, wird es gesagt.</translation>
+  </message>
+  <message>
+   <source>Weight of a cut (for MinWeight)</source>
+   <translation>Gewicht eines Schnitts (für MinWeight)</translation>
+  </message>
+  <message>
+   <source>Weight of boundary length</source>
+   <translation>Gewicht der Grenzlänge</translation>
+  </message>
+  <message>
+   <source>Weight of centre distance</source>
+   <translation>Gewicht der Entfernung vom Zentrum</translation>
+  </message>
+  <message>
+   <source>Weight of class change</source>
+   <translation>Gewicht des Klassenwechsels</translation>
+  </message>
+  <message>
+   <source>Weights</source>
+   <translation>Gewichte</translation>
+  </message>
+  <message>
+   <source>What to minimize: number or length of cuts</source>
+   <translation>Was minimiert wird: Anzahl oder Länge der Schnitte</translation>
+  </message>
+  <message>
+   <source>What to minimize: number, length or weight of cuts</source>
+   <translation>Minimiert wird: Anzahl, Länge, Gewicht der Schnitte</translation>
+  </message>
+  <message>
+   <source>Where a cut may lie</source>
+   <translation>Wo ein Schnitt liegen darf</translation>
+  </message>
+  <message>
+   <source>Where the curve ends, at least 1.</source>
+   <translation>Wo die Kurve endet, mindestens 1.</translation>
+  </message>
+  <message>
+   <source>Where the curve starts; 0 starts with no cut at all, but those that connect holes.</source>
+   <translation>Wo die Kurve beginnt; 0 beginnt ganz ohne Schnitte, bis auf die, die Löcher anschließen.</translation>
+  </message>
+  <message>
+   <source>Write the layers</source>
+   <translation>Layer schreiben</translation>
+  </message>
+  <message>
+   <source>Writes just the level in which a feature has this number of parts, or the next best: all that there are, or one for each polygon of a multipart feature. A field or expression can set it for each feature; where it is empty, all levels are written.</source>
+   <translation>Schreibt nur die Stufe, in der ein Objekt so viele Teile hat, oder die nächstbeste Anzahl: alle, die es gibt, oder einen für jedes Polygon eines mehrteiligen Objekts. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen; wo er leer ist, werden alle Stufen geschrieben.</translation>
+  </message>
+  <message>
+   <source>Your own lines, instead of the diagonals of a triangulation: straight lines between two vertices of a polygon that stay inside it, wherever they lie. A line that is none is reported with its id; where two cross, the shorter one is used.</source>
+   <translation>Ihre eigenen Linien statt der Diagonalen einer Triangulation: gerade Linien zwischen zwei Stützpunkten eines Polygons, die in ihm bleiben, wo sie auch liegen. Eine Linie, die das nicht ist, wird mit ihrer ID gemeldet; wo zwei sich kreuzen, wird die kürzere verwendet.</translation>
+  </message>
+  <message>
+   <source>Your own relevant edges, such as the cuts of the partition tool: lines between points of the map. If there are none, the tool finds them by the rule below.</source>
+   <translation>Ihre eigenen relevanten Kanten, etwa die Schnitte des Werkzeugs zur Zerlegung: Linien zwischen Punkten der Karte. Gibt es keine, findet das Werkzeug sie nach der Regel unten.</translation>
+  </message>
+  <message>
+   <source>about {size}</source>
+   <translation>etwa {size}</translation>
+  </message>
+  <message>
+   <source>all tools need it</source>
+   <translation>alle Werkzeuge brauchen es</translation>
+  </message>
+  <message>
+   <source>annealing: run this long instead of a number of steps; then two runs may differ. exact: the time limit, 60 if 0.</source>
+   <translation>annealing: so lange laufen, statt einer Anzahl von Schritten; dann können zwei Läufe sich unterscheiden. exact: die Zeitgrenze, 60 bei 0.</translation>
+  </message>
+  <message>
+   <source>equal: every change counts 1. code: hierarchical codes such as CORINE's; the share of the digits from the first differing one on (311 to 312: 1/3). table: from a table.</source>
+   <translation>equal (gleich): Jeder Wechsel zählt 1. code: hierarchische Codes wie die von CORINE; der Anteil der Ziffern ab der ersten verschiedenen (311 zu 312: 1/3). table: aus einer Tabelle.</translation>
+  </message>
+  <message>
+   <source>exact aggregation, and focus maps</source>
+   <translation>exakte Flächenaggregation und Fokuskarten</translation>
+  </message>
+  <message>
+   <source>faster triangulation, and focus maps</source>
+   <translation>schnellere Triangulation, und Fokuskarten</translation>
+  </message>
+  <message>
+   <source>greedy: quick. annealing: better the longer it runs. exact: best, for small maps.</source>
+   <translation>greedy: schnell. annealing: um so besser, je länger es läuft. exact: am besten, für kleine Karten.</translation>
+  </message>
+  <message>
+   <source>keep classes: as little as possible changes its class. compact: short boundaries, and areas near their region's core. balanced: between both.</source>
+   <translation>keep classes: Möglichst wenig wechselt die Klasse. compact: kurze Grenzen, und Flächen nah am Kern ihrer Region. balanced: dazwischen.</translation>
+  </message>
+  <message>
+   <source>not for commercial use</source>
+   <translation>nicht für kommerzielle Nutzung</translation>
+  </message>
+  <message>
+   <source>regions: between all regions. classes: only between regions of different class.</source>
+   <translation>regions: zwischen allen Regionen. classes: nur zwischen Regionen verschiedener Klasse.</translation>
+  </message>
+  <message>
+   <source>tau = {tau:g}</source>
+   <translation>tau = {tau:g}</translation>
+  </message>
+  <message>
+   <source>tau = {tau:g}: {parts} parts, {cuts} cuts</source>
+   <translation>tau = {tau:g}: {parts} Teile, {cuts} Schnitte</translation>
+  </message>
+  <message>
+   <source>triangulation, and focus maps</source>
+   <translation>Triangulation und Fokuskarten</translation>
+  </message>
+  <message>
+   <source>{lists}</source>
+   <translation>{lists}</translation>
+  </message>
+  <message>
+   <source>{parts} parts, {cuts} cuts. Now try it on a layer of yours: Plugins &gt; Isthmus.</source>
+   <translation>{parts} Teile, {cuts} Schnitte. Nun mit einem eigenen Layer: Erweiterungen &gt; Isthmus.</translation>
+  </message>
+  <message>
+   <source>{wanted} parts of each feature: {parts} parts, {cuts} cuts</source>
+   <translation>{wanted} Teile jedes Objekts: {parts} Teile, {cuts} Schnitte</translation>
+  </message>
+ </context>
+</TS>

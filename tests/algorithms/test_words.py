@@ -1,0 +1,90 @@
+"""Names and numbers of choices, help pages, and what the plugin does at its start."""
+
+from pathlib import Path
+
+import pytest
+from qgis.core import QgsApplication, QgsProcessingContext, QgsProcessingException, QgsProcessingParameterEnum
+from qgis.PyQt.QtCore import QUrl
+
+ROOMS = "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 10,0 10,0 0))"
+
+
+@pytest.mark.parametrize("number, name", [(0, "Natural"), ("0", "Natural"), (1, "Any"), ("1", "Any")])
+def test_a_choice_has_a_number_too(run, layer, number, name):
+    source = layer("Polygon?crs=EPSG:3857", [(ROOMS, [])])
+    given = {"INPUT": source, "OUTPUT": "memory:", "CUTS": "memory:"}
+    results = [
+        run("isthmus:partition", {**given, "PLACES": places, "SMALLEST_PART": 0, "OBJECTIVE": objective})
+        for places, objective in ((name, "MinLength"), (number, 1))
+    ]
+    assert results[0]["CUT_LENGTH"] == results[1]["CUT_LENGTH"] > 0
+    assert results[0]["CUT_COUNT"] == results[1]["CUT_COUNT"]
+
+
+def test_every_choice_takes_its_numbers_and_no_others(provider):
+    context, seen = QgsProcessingContext(), 0
+    for tool in provider.algorithms():
+        for definition in tool.parameterDefinitions():
+            if not isinstance(definition, QgsProcessingParameterEnum):
+                continue
+            seen += 1
+            options, name = definition.options(), definition.name()
+            for k, option in enumerate(options):
+                assert tool.with_names({name: k, "INPUT": 1}) == {name: option, "INPUT": 1}
+                assert tool.with_names({name: str(k)}) == {name: option}
+            for wrong in (len(options), -1, "Nowhere", str(len(options))):
+                ok, _ = tool.checkParameterValues({name: wrong}, context)
+                assert not ok and tool.with_names({name: wrong}) == {name: wrong}
+    assert seen >= 6
+
+
+def test_a_wrong_number_is_refused(run, layer):
+    source = layer("Polygon?crs=EPSG:3857", [(ROOMS, [])])
+    with pytest.raises(QgsProcessingException):
+        run("isthmus:partition", {"INPUT": source, "OUTPUT": "memory:", "PLACES": 2})
+
+
+def test_help_opens_the_page_of_the_tool(provider):
+    for tool in provider.algorithms():
+        url = QUrl(tool.helpUrl())
+        assert url.isLocalFile()
+        page = Path(url.toLocalFile())
+        assert page.stem == tool.name() and tool.displayName() in page.read_text(encoding="utf-8")
+
+
+def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
+    from isthmus.plugin import IsthmusPlugin
+
+    registry = QgsApplication.processingRegistry()
+    before = registry.providers()
+    plugin = IsthmusPlugin(None)
+    assert plugin.menu is None
+    plugin.unload()
+    assert registry.providers() == before
+
+
+def test_german(tool, tmp_path, monkeypatch, qgis_app, provider):
+    """The tools speak German where QGIS does; names, values and defaults stay."""
+    from isthmus.algorithms import words
+    from qgis.PyQt.QtCore import QCoreApplication
+
+    translate = tool("translate")
+    (tmp_path / "i18n").mkdir()
+    data = translate.compiled(translate.read(translate.FILE.read_text(encoding="utf-8")))
+    (tmp_path / "i18n" / "isthmus_de.qm").write_bytes(data)
+    monkeypatch.setattr(words, "ROOT", tmp_path)
+    english = QgsApplication.processingRegistry().algorithmById("isthmus:partition").create()
+    assert words.load_translation("fr") is None
+    translator = words.load_translation("de_AT")
+    try:
+        german = english.create()
+        assert german.displayName() == "Polygone an Engstellen zerlegen" and german.group() == "Zerlegung"
+        assert "Halbinsel" in german.shortHelpString() and "{lists}" not in german.shortHelpString()
+        (tau,) = [p for p in german.parameterDefinitions() if p.name() == "TAU"]
+        assert tau.description() == "Größter Umweg (tau)" and tau.defaultValue() == 3
+        assert [p.name() for p in german.parameterDefinitions()] == [p.name() for p in english.parameterDefinitions()]
+        for parameter in german.parameterDefinitions():  # the form is that wide
+            assert len(parameter.description()) <= 52, parameter.description()
+    finally:
+        QCoreApplication.removeTranslator(translator)
+    assert english.create().displayName() == "Partition polygons at bottlenecks"

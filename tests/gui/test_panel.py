@@ -1,0 +1,248 @@
+"""The panel shows what the tools make, at once, and writes it."""
+
+import shlex
+import time
+
+import numpy as np
+import pytest
+from qgis.core import (
+    QgsApplication,
+    QgsCoordinateReferenceSystem,
+    QgsFeature,
+    QgsGeometry,
+    QgsProject,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtWidgets import QApplication
+
+# rooms in a row, a room with a hole, and an island of one piece
+ROOMS = (
+    "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 4,25 4,25 0,40 0,40 10,25 10,25 6,22 6,22 10,12 10,12 5.5,10 5.5,"
+    "10 10,0 10,0 0))"
+)
+HOLE = "MULTIPOLYGON(((60 0,90 0,90 30,60 30,60 0),(61 10,75 10,75 20,61 20,61 10)),((95 0,99 0,99 4,95 4,95 0)))"
+
+
+def polygons(wkts, crs="EPSG:3857"):
+    layer = QgsVectorLayer(f"Polygon?crs={crs}", "rooms", "memory")
+    features = []
+    for wkt in wkts:
+        feature = QgsFeature()
+        feature.setGeometry(QgsGeometry.fromWkt(wkt) if isinstance(wkt, str) else wkt)
+        features.append(feature)
+    layer.dataProvider().addFeatures(features)
+    QgsProject.instance().addMapLayer(layer)
+    return layer
+
+
+def rough(count):
+    """An island: a circle with noise of all wave lengths."""
+    random = np.random.default_rng(1)
+    angle = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+    wave = np.arange(count // 2 + 1.0)
+    wave[1:] **= -1.2
+    noise = np.fft.irfft(wave * np.exp(2j * np.pi * random.random(len(wave))), count)
+    radius = 1e6 * np.exp(0.35 * noise / noise.std())
+    xy = np.c_[radius * np.cos(angle), radius * np.sin(angle)]
+    geometry = QgsGeometry()
+    head = np.array([3, 1, count + 1], "<u4").tobytes()
+    geometry.fromWkb(b"\x01" + head + np.vstack((xy, xy[:1])).tobytes())
+    return geometry
+
+
+def segments(geometries):
+    """The lines as a set: which end is the first does not matter."""
+    found = set()
+    for geometry in geometries:
+        for line in geometry.asGeometryCollection() if geometry.isMultipart() else [geometry]:
+            found.add(frozenset((v.x(), v.y()) for v in line.vertices()))
+    return found
+
+
+def shown(preview_shown):
+    geometry = QgsGeometry()
+    geometry.fromWkb(preview_shown.wkb)
+    return segments([geometry]) if preview_shown.cuts else set()
+
+
+def cuts_of(tool, layer, **parameters):
+    import processing
+
+    results = processing.run(tool, {"INPUT": layer, "OUTPUT": "memory:", "CUTS": "memory:", **parameters})
+    return segments(f.geometry() for f in results["CUTS"].getFeatures()), results["OUTPUT"].featureCount()
+
+
+@pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
+def test_the_preview_is_what_the_tools_make(provider, places, smallest):
+    from isthmus.algorithms.partition.preview import preview
+
+    layer = polygons([ROOMS, HOLE, rough(3000)])
+    made = preview(list(layer.getFeatures()), layer.crs(), places=places, smallest_part=smallest)
+    same = {"PLACES": places, "SMALLEST_PART": smallest}
+    seen = set()
+    for tau in (1.5, 2.0, 3.0, 5.0, made.largest_tau() * 1.001):
+        now = made.at_tau(tau)
+        assert (shown(now), now.parts) == cuts_of("isthmus:partition", layer, TAU=tau, **same)
+        seen.add(now.cuts)
+    assert len(seen) >= 3
+    assert made.most_parts() > 3
+    for count in (1, 2, 4, made.most_parts()):
+        now = made.at_parts(count)
+        assert (shown(now), now.parts) == cuts_of("isthmus:hierarchy", layer, TAU=1.5, PARTS=count, **same)
+    # those that stay for ever connect a hole
+    last = made.at_tau(made.largest_tau())
+    assert last.cuts == made.at_parts(1).cuts and last.parts == made.at_parts(1).parts
+
+
+def test_what_cannot_be_cut_is_named(provider):
+    from isthmus.algorithms.partition.preview import preview
+
+    layer = polygons(["POLYGON((0 0,9 9,9 0,0 9,0 0))", ROOMS])
+    made = preview(list(layer.getFeatures()), layer.crs())
+    assert len(made.unsolved()) == 1
+    assert made.at_tau(3.0).cuts == len(cuts_of("isthmus:partition", layer)[0]) > 0
+
+
+@pytest.fixture
+def panel(iface):
+    from isthmus.gui.panel import Panel
+
+    panel = Panel(iface)
+    yield panel
+    panel.unload()
+
+
+def solve(panel, wait):
+    panel.find()
+    wait(lambda: panel.task is None)
+    assert panel.preview is not None, panel.text.text()
+
+
+def test_from_layer_to_written_layers(panel, iface, wait):
+    layer = polygons([ROOMS])
+    assert panel.layer_box.currentLayer() == layer and not panel.slider.isEnabled()
+    solve(panel, wait)
+    assert panel.tau() == pytest.approx(3.0, rel=0.01) and panel.slider.isEnabled()
+    counts = []
+    for value in range(0, 1001, 50):
+        panel.slider.setValue(value)
+        counts.append(panel.shown.cuts)
+        assert panel.band.size() == panel.shown.cuts
+    assert counts[0] > counts[-1] == 0 and counts == sorted(counts, reverse=True)
+    panel.set_tau(2.0)
+    wanted = panel.shown.cuts
+    panel.write()
+    wait(lambda: panel.writing is None)
+    (cuts,) = QgsProject.instance().mapLayersByName("Cuts")
+    (parts,) = QgsProject.instance().mapLayersByName("Parts")
+    assert cuts.featureCount() == wanted > 0 and parts.featureCount() == panel.shown.parts
+    assert shown(panel.shown) == segments(f.geometry() for f in cuts.getFeatures())
+    assert parts.renderer().symbol().symbolLayerCount() and panel.write_button.isEnabled()
+
+
+def test_number_of_parts(panel, wait):
+    polygons([ROOMS])
+    solve(panel, wait)
+    panel.by_parts.setChecked(True)
+    for count in range(1, panel.preview.most_parts() + 1):
+        panel.slider.setValue(count)
+        assert panel.shown.parts == count and str(count) in panel.text.text()
+    assert panel.slider.maximum() == panel.preview.most_parts() >= 3
+    panel.slider.setValue(3)
+    panel.write()
+    wait(lambda: panel.writing is None)
+    (parts,) = QgsProject.instance().mapLayersByName("Parts of all levels")
+    assert parts.featureCount() == 3
+
+
+def test_selected_features_and_the_command(panel, wait, tmp_path):
+    from qgis.core import QgsVectorFileWriter
+
+    layer = polygons([ROOMS, "POLYGON((100 0,110 0,110 4.5,112 4.5,112 0,122 0,122 10,112 10,112 5.5,110 5.5,110 10,100 10,100 0))"])
+    solve(panel, wait)
+    both = panel.shown.cuts
+    layer.selectByIds([1])
+    panel.only_selected.setChecked(True)
+    solve(panel, wait)
+    assert 0 < panel.shown.cuts < both
+    panel.copy_command()
+    words = shlex.split(QApplication.clipboard().text())
+    assert words[1:3] == ["run", "isthmus:partition"] and "--INPUT=polygons.gpkg" in words
+    path = str(tmp_path / "some rooms.gpkg")
+    options = QgsVectorFileWriter.SaveVectorOptions()
+    QgsVectorFileWriter.writeAsVectorFormatV3(layer, path, QgsProject.instance().transformContext(), options)
+    saved = QgsVectorLayer(path, "saved", "ogr")
+    QgsProject.instance().addMapLayer(saved)
+    panel.layer_box.setLayer(saved)
+    assert panel.preview is None  # of another layer
+    panel.only_selected.setChecked(False)
+    solve(panel, wait)
+    panel.copy_command()
+    words = shlex.split(QApplication.clipboard().text())
+    assert f"--INPUT={path}" in words
+    # it makes what the map shows
+    given = dict(word[2:].split("=", 1) for word in words[3:])
+    del given["INPUT"], given["OUTPUT"], given["CUTS"]
+    assert cuts_of(words[2], saved, **given)[0] == shown(panel.shown)
+
+
+def test_cancel_and_another_layer(panel, wait):
+    layer = polygons([rough(200_000)])
+    panel.find()
+    task = panel.task
+    panel.find()  # pressed again
+    assert panel.task is None and panel.preview is None
+    wait(lambda: QgsApplication.taskManager().countActiveTasks() == 0)
+    assert task is not None and panel.preview is None and panel.find_button.isEnabled()
+    QgsProject.instance().removeMapLayer(layer)
+    assert panel.layer_box.currentLayer() is None and not panel.find_button.isEnabled()
+
+
+def test_the_map_may_have_another_crs(panel, iface, wait):
+    iface.canvas.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
+    polygons([ROOMS])
+    solve(panel, wait)
+    box = panel.band.asGeometry().boundingBox()
+    assert 0 < box.xMaximum() < 0.001
+    iface.canvas.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
+    assert panel.band.asGeometry().boundingBox().xMaximum() == pytest.approx(box.xMaximum() * 111319.49, rel=1e-6)
+
+
+@pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Natural", 0.0), ("Any", 0.0)])
+def test_the_slider_moves_the_cuts_of_100000_vertices_within_100_ms(panel, iface, wait, places, smallest, capsys):
+    layer = polygons([rough(100_000)])
+    iface.canvas.setDestinationCrs(layer.crs())
+    iface.window.resize(1000, 800)
+    iface.window.show()
+    iface.canvas.setExtent(layer.extent())
+    panel.places_box.setCurrentIndex(panel.places_box.findData(places))
+    panel.smallest_box.setValue(smallest)
+    solve(panel, wait)
+    times, most = {}, 0
+    for _ in range(2):  # the better of two: other programs take the caches away
+        for mode in (panel.by_tau, panel.by_parts):
+            mode.setChecked(True)
+            for value in np.linspace(panel.slider.minimum(), panel.slider.maximum(), 6).astype(int).tolist():
+                panel.slider.setValue(panel.slider.maximum() - value)
+                QApplication.processEvents()
+                begun = time.process_time()
+                panel.slider.setValue(value)
+                iface.canvas.viewport().repaint()  # this draws
+                taken = time.process_time() - begun
+                most = max(most, panel.shown.cuts)
+                key = mode is panel.by_tau, value
+                times[key] = min(times.get(key, taken), taken)
+    longest = max(times.values())
+    with capsys.disabled():
+        print(f" {places}, {smallest:g} %: {most} cuts at most, {1000 * longest:.0f} ms at most")
+    assert longest <= 0.1
+
+
+def test_nothing_is_left(iface):
+    from isthmus.gui.panel import Panel
+
+    items = len(iface.canvas.scene().items())
+    panel = Panel(iface)
+    assert len(iface.canvas.scene().items()) == items + 1
+    panel.unload()
+    assert len(iface.canvas.scene().items()) == items
