@@ -92,8 +92,8 @@
    <translation>&lt;p&gt;Flächen auf einer Insel, die für jede ihrer Klassen zu klein ist, und Flächen ohne Klasse bleiben, wie sie sind; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved or added. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben oder hinzugefügt. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved, and none is added unless you ask for it. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Cuts lie at &lt;i&gt;natural&lt;/i&gt; places only: where the outline is concave and the polygon opens up beside the cut, as people see parts, and where no side is smaller than &lt;i&gt;Smallest part&lt;/i&gt;. Lengths of the outline are then measured without the detail that is much smaller. Choose &lt;i&gt;Any&lt;/i&gt; and 0 for the problem of the paper, where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.&lt;/p&gt;</source>
@@ -180,8 +180,8 @@
    <translation>&lt;p&gt;Nimmt auch die Stücke von &lt;i&gt;Flächen für die Zusammenfassung vorbereiten&lt;/i&gt;: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved or added, so what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben oder hinzugefügt; was Nachbarn gemeinsam haben, haben sie weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved, and none is added unless you ask for it: then neighbours get it too. So what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen: Dann bekommt ihn auch der Nachbar. Was Nachbarn gemeinsam haben, haben sie also weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 2.&lt;/p&gt;</source>
@@ -228,8 +228,8 @@
    <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben oder hinzugefügt, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved, none is added unless you ask for it, and the parts fit together exactly.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben, keiner hinzugefügt, wenn Sie es nicht verlangen, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;from qgis.PyQt.QtWidgets import QSlider; slider = QSlider(); slider.setRange(10, 300); slider.valueChanged.connect(lambda value: (QgsExpressionContextUtils.setProjectVariable(QgsProject.instance(), "isthmus_tau", value / 10), iface.mapCanvas().refreshAllLayers())); slider.show()&lt;/p&gt;</source>
@@ -332,6 +332,18 @@
    <translation>BSD</translation>
   </message>
   <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels without this cut do not have them. Neighbours in the layer do not get them.</source>
+   <translation>Häuserblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch im Fußpunkt des Lotes von einer einspringenden Ecke auf die Kante gegenüber enden. Nur Punkte, in denen ein Schnitt endet, kommen hinzu, mit interpoliertem Z und M, und die Teile der Ebenen ohne diesen Schnitt haben sie nicht. Nachbarn im Layer bekommen sie nicht.</translation>
+  </message>
+  <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated. Neighbours get the same vertices, so that shared boundaries stay shared.</source>
+   <translation>Häuserblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch im Fußpunkt des Lotes von einer einspringenden Ecke auf die Kante gegenüber enden. Nur Punkte, in denen ein Schnitt endet, kommen hinzu, mit interpoliertem Z und M. Nachbarn bekommen dieselben Stützpunkte, damit gemeinsame Grenzen gemeinsam bleiben.</translation>
+  </message>
+  <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays as it is. Neighbours in the layer do not get them. No effect where you give lines to choose from.</source>
+   <translation>Häuserblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch im Fußpunkt des Lotes von einer einspringenden Ecke auf die Kante gegenüber enden. Nur Punkte, in denen ein Schnitt endet, kommen hinzu, mit interpoliertem Z und M; sonst bleibt der Umriss, wie er ist. Nachbarn im Layer bekommen sie nicht. Ohne Wirkung, wenn Sie Linien zur Auswahl vorgeben.</translation>
+  </message>
+  <message>
    <source>Boundaries that count: of regions or of classes</source>
    <translation>Welche Grenzen zählen: von Regionen oder Klassen</translation>
   </message>
@@ -386,6 +398,10 @@
   <message>
    <source>Cuts by persistence</source>
    <translation>Schnitte nach Persistenz</translation>
+  </message>
+  <message>
+   <source>Cuts may end at new vertices on edges</source>
+   <translation>Schnitte dürfen in neuen Punkten enden</translation>
   </message>
   <message>
    <source>Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts.</source>
