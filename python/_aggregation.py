@@ -88,6 +88,7 @@ def prepare_aggregation(
     smallest_part: Any = 0.0,
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
+    new_vertices: bool = False,
     crs: Any = None,
 ) -> Pieces:
     """Cut the areas of a map at their bottlenecks, before they are aggregated.
@@ -104,7 +105,7 @@ def prepare_aggregation(
     tau : float
         See `isthmus.partition`, for all areas.
     objective : {'MinSize', 'MinLength'}
-    places, smallest_part, min_length, min_hole, crs
+    places, smallest_part, min_length, min_hole, new_vertices, crs
         See `isthmus.partition`; places and smallest_part are those of the paper by default.
 
     Returns
@@ -128,7 +129,9 @@ def prepare_aggregation(
     _kinds.one_of(objective, "objective", OBJECTIVES[:2])
     _kinds.one_of(places, "places", PLACES)
     origin = _kinds.source(areas, crs, "areas")
-    settings = _settings(origin, objective, None, places, smallest_part, min_length, min_hole, None)
+    settings = _settings(
+        origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
+    )
     measure, metre = _kinds.measure_of(origin.crs), _kinds.metres_of(origin.crs)
     area, geometry, status, rings, reasons = [], [], [], [], {}
     for problem, shapes in _problems(origin, settings):

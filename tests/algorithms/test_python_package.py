@@ -100,6 +100,7 @@ CRS = {"as it is": "EPSG:3035", "in degrees": "EPSG:4326"}
 @pytest.mark.parametrize("ordinates, options", [
     ("", {}),
     ("Z", {"TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OBJECTIVE": "MinLength", "MAX_GAP": 1}),
+    ("Z", {"TAU": 2.5, "NEW_VERTICES": True}),
     ("", {"TAU": 2.5, "SMALLEST_PART": 0.2, "MIN_LENGTH": 0.01, "MIN_HOLE": 0.02}),
 ])  # fmt: skip
 def test_partition(tools, package, place, ordinates, options):
@@ -192,9 +193,12 @@ def test_hierarchy(tools, package, place, parts):
     geometries = polygons(place, "Z")
     theirs = tools("hierarchy", {
         "INPUT": layer_of(geometries, CRS[place], kind=KIND["Z"]), "PARTS": parts, "SMALLEST_PART": 0.1,
+        "NEW_VERTICES": parts is None,
         "OUTPUT": "memory:", "CUTS": "memory:",
     })  # fmt: skip
-    ours = package.hierarchy(geometries, parts=parts, smallest_part=0.1, crs=CRS[place])
+    ours = package.hierarchy(
+        geometries, parts=parts, smallest_part=0.1, new_vertices=parts is None, crs=CRS[place]
+    )
     assert len(ours.cuts) > 20
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
