@@ -72,8 +72,8 @@
    <translation>&lt;p&gt;&lt;i&gt;Vorsicht:&lt;/i&gt; Bei freier Anzahl der Regionen und Grenzen zwischen &lt;i&gt;allen&lt;/i&gt; Regionen werden Nachbarn derselben Klasse schon ihrer Grenze wegen vereinigt. Wenn Sie das nicht möchten, wählen Sie Grenzen zwischen &lt;i&gt;Klassen&lt;/i&gt;, erhöhen Sie das Gewicht der Entfernung vom Zentrum, oder geben Sie die Anzahl der Regionen vor.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, the optimal set, is the best choice: few edges, and the shape is kept. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk and others 2013) needs more edges. &lt;i&gt;Proximity&lt;/i&gt; (Harrie and Sarjakoski 2002) and &lt;i&gt;None&lt;/i&gt; are there to compare with.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, die optimale Menge, ist die beste Wahl: wenige Kanten, und die Form bleibt erhalten. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk u. a. 2013) braucht mehr Kanten. &lt;i&gt;Proximity&lt;/i&gt; (Harrie und Sarjakoski 2002) und &lt;i&gt;None&lt;/i&gt; sind zum Vergleich da.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, the optimal set, is the best choice: few edges, and the shape is kept. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk and others 2013) needs more edges. &lt;i&gt;Proximity&lt;/i&gt; (Harrie and Sarjakoski 2002) and &lt;i&gt;None&lt;/i&gt; are there to compare with. With &lt;i&gt;Natural&lt;/i&gt; places (&lt;i&gt;Where a cut may lie&lt;/i&gt;) there are few edges, where people see parts meet; on the maps measured every diagonal kept the shape better.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, die optimale Menge, ist die beste Wahl: wenige Kanten, und die Form bleibt erhalten. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk u. a. 2013) braucht mehr Kanten. &lt;i&gt;Proximity&lt;/i&gt; (Harrie und Sarjakoski 2002) und &lt;i&gt;None&lt;/i&gt; sind zum Vergleich da. Mit &lt;i&gt;natürlichen&lt;/i&gt; Stellen (&lt;i&gt;Wo ein Schnitt liegen darf&lt;/i&gt;) gibt es wenige Kanten, wo Menschen Teile aneinanderstoßen sehen; auf den gemessenen Karten hat jede Diagonale die Form besser erhalten.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: the smallest area joins the neighbour that costs least; quick.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt;: starts there and improves it, for a number of steps or seconds, then is heated again several times, of which the best is kept place by place. The same seed and number of steps give the same result.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that of a short annealing, with a bound.&lt;/p&gt;</source>
@@ -92,8 +92,8 @@
    <translation>&lt;p&gt;Flächen auf einer Insel, die für jede ihrer Klassen zu klein ist, und Flächen ohne Klasse bleiben, wie sie sind; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved or added. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben oder hinzugefügt. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved, and none is added unless you ask for it. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Cuts lie at &lt;i&gt;natural&lt;/i&gt; places only: where the outline is concave and the polygon opens up beside the cut, as people see parts, and where no side is smaller than &lt;i&gt;Smallest part&lt;/i&gt;. Lengths of the outline are then measured without the detail that is much smaller. Choose &lt;i&gt;Any&lt;/i&gt; and 0 for the problem of the paper, where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.&lt;/p&gt;</source>
@@ -180,8 +180,8 @@
    <translation>&lt;p&gt;Nimmt auch die Stücke von &lt;i&gt;Flächen für die Zusammenfassung vorbereiten&lt;/i&gt;: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved or added, so what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben oder hinzugefügt; was Nachbarn gemeinsam haben, haben sie weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved, and none is added unless you ask for it: then neighbours get it too. So what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen: dann bekommen ihn auch die Nachbarn. Was Nachbarn gemeinsam haben, haben sie so weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 2.&lt;/p&gt;</source>
@@ -228,8 +228,8 @@
    <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved or added, and the parts fit together exactly.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben oder hinzugefügt, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved, none is added unless you ask for it, and the parts fit together exactly.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben, keiner hinzugefügt, wenn Sie es nicht verlangen, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;from qgis.PyQt.QtWidgets import QSlider; slider = QSlider(); slider.setRange(10, 300); slider.valueChanged.connect(lambda value: (QgsExpressionContextUtils.setProjectVariable(QgsProject.instance(), "isthmus_tau", value / 10), iface.mapCanvas().refreshAllLayers())); slider.show()&lt;/p&gt;</source>
@@ -332,6 +332,18 @@
    <translation>BSD</translation>
   </message>
   <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels without this cut do not have them. Neighbours in the layer do not get them.</source>
+   <translation>Gebäudeblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch am Fußpunkt eines Lots enden, das von einem einspringenden Stützpunkt auf die Kante gegenüber gefällt ist. Nur die, an denen ein Schnitt endet, werden hinzugefügt, mit interpoliertem Z und M, und die Teile der Stufen ohne diesen Schnitt haben sie nicht. Nachbarn im Layer bekommen sie nicht.</translation>
+  </message>
+  <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated. Neighbours get the same vertices, so that shared boundaries stay shared.</source>
+   <translation>Gebäudeblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch am Fußpunkt eines Lots enden, das von einem einspringenden Stützpunkt auf die Kante gegenüber gefällt ist. Nur die, an denen ein Schnitt endet, werden hinzugefügt, mit interpoliertem Z und M. Nachbarn bekommen dieselben Stützpunkte, damit gemeinsame Grenzen gemeinsam bleiben.</translation>
+  </message>
+  <message>
+   <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated; the rest of the outline stays as it is. Neighbours in the layer do not get them. No effect where you give lines to choose from.</source>
+   <translation>Gebäudeblöcke, Grundrisse und generalisierte Umrisse haben gegenüber einer Engstelle oft keinen Stützpunkt. Hiermit darf ein Schnitt auch am Fußpunkt eines Lots enden, das von einem einspringenden Stützpunkt auf die Kante gegenüber gefällt ist. Nur die, an denen ein Schnitt endet, werden hinzugefügt, mit interpoliertem Z und M; der übrige Umriss bleibt, wie er ist. Nachbarn im Layer bekommen sie nicht. Ohne Wirkung, wo Sie Linien zur Auswahl geben.</translation>
+  </message>
+  <message>
    <source>Boundaries that count: of regions or of classes</source>
    <translation>Welche Grenzen zählen: von Regionen oder Klassen</translation>
   </message>
@@ -386,6 +398,10 @@
   <message>
    <source>Cuts by persistence</source>
    <translation>Schnitte nach Persistenz</translation>
+  </message>
+  <message>
+   <source>Cuts may end at new vertices on edges</source>
+   <translation>Schnitte dürfen an neuen Stützpunkten enden</translation>
   </message>
   <message>
    <source>Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts.</source>
@@ -454,6 +470,14 @@
   <message>
    <source>For MinLength and MinWeight, which are hard to solve exactly: how much more than the proven lower bound a solution may cost. 0 asks for a proof of optimality. MinSize is always optimal.</source>
    <translation>Für MinLength und MinWeight, die schwer exakt zu lösen sind: wie viel mehr als die bewiesene untere Schranke eine Lösung kosten darf. 0 verlangt einen Beweis der Optimalität. MinSize ist immer optimal.</translation>
+  </message>
+  <message>
+   <source>For MinSize and MinLength. Natural: only where people see parts meet, at places where the outline is concave and the polygon opens up beside the cut; a few edges then do, but the shape is kept less well. Any: between any two vertices that a triangulation joins, as in the paper.</source>
+   <translation>Für MinSize und MinLength. Natural (natürlich): nur wo Menschen Teile aneinanderstoßen sehen, an Stellen, wo der Umriss einspringt und sich das Polygon neben dem Schnitt weitet; dann genügen wenige Kanten, aber die Form bleibt weniger gut erhalten. Any (überall): zwischen je zwei Stützpunkten, die eine Triangulation verbindet, wie im Artikel.</translation>
+  </message>
+  <message>
+   <source>For MinSize and MinLength. Smaller parts are not cut off, smaller holes attract no cuts, and the length of the outline is measured without the detail that is much smaller. 0: everything counts.</source>
+   <translation>Für MinSize und MinLength. Kleinere Teile werden nicht abgeschnitten, kleinere Löcher ziehen keine Schnitte an, und die Länge des Umrisses wird ohne die viel kleineren Einzelheiten gemessen. 0: Alles zählt.</translation>
   </message>
   <message>
    <source>For each metre of boundary. Not set: 45 (balanced), 11.25 (keep classes), 90 (compact).</source>
@@ -854,6 +878,10 @@
   <message>
    <source>Smallest part (per cent of the feature)</source>
    <translation>Kleinster Teil (Prozent des Objekts)</translation>
+  </message>
+  <message>
+   <source>Smallest part (per cent of the polygon)</source>
+   <translation>Kleinster Teil (Prozent des Polygons)</translation>
   </message>
   <message>
    <source>Smallest part (per cent)</source>

@@ -45,7 +45,7 @@ PROSE = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/gallery.md", "doc
          "docs/architecture.md", "docs/more_than_one_machine.md"]  # fmt: skip
 CODE = re.compile(r"`([^`]+)`")
 # Lower-case words in code that are no field of a tool
-OTHER_WORDS = {"algorithms", "core", "check", "isthmus", *"arabia baltic".split()}
+OTHER_WORDS = {"algorithms", "core", "check", "isthmus", *"arabia baltic countries countries_europe".split()}
 UNITS = (
     "s|seconds?|minutes?|GB|MB|km|km²|m|m²|metres|hectares|%|cuts?|parts|pieces|areas|vertices|countries|islands|degrees|times|"
     "necks|rooms|doors|triangles|boxes|diagonals"
@@ -494,9 +494,8 @@ def test_commands_for_real(tmp_path):
     call(*readme[1:])
     assert QgsVectorLayer(str(tmp_path / "parts.gpkg")).featureCount() > 1
     result = measured.entry(measured.results(), "gallery.western_europe.MinSize")
-    gallery = command_lines(page("docs/gallery.md"))[0]
-    assert gallery[:2] == ["./run", "qgis_process"]
-    assert shlex.split(result["command"].replace("\\\n", "")) == gallery
+    gallery = shlex.split(result["command"].replace("\\\n", ""))
+    assert gallery[:2] == ["./run", "qgis_process"] and gallery in command_lines(page("docs/gallery.md"))
     answer = call("run", "--json", *gallery[3:])
     found = json.loads(answer[answer.index("{"):])["results"]
     assert (found["PART_COUNT"], found["CUT_COUNT"]) == (result["parts"], result["cuts"])

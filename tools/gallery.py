@@ -456,7 +456,7 @@ def land_cover():
     areas = saved(BUILD / "land_cover.gpkg", kept, "EPSG:26912", **{"class": kinds})
     settings = {
     "CLASS": "class", "THRESHOLD": 100000, "DISTANCE": "code", "WEIGHT_BOUNDARY": 22.5,
-        "BOUNDARY": "classes", "WEIGHT_CENTRE": 0.0002, "SEED": 1, "ITERATIONS": 10_000_000,
+        "BOUNDARY": "classes", "WEIGHT_CENTRE": 0.0002, "SEED": 1, "ITERATIONS": 4_000_000,
     }  # fmt: skip
     before = run("isthmus:aggregate", INPUT=areas, **settings, OUTPUT=BUILD / "regions.gpkg")
     cut = run(

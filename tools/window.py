@@ -427,6 +427,39 @@ def others(stage):
 
 
 @scene
+def menu(stage):
+    """The menu, the example by its button, and the panel: how a slider moves the cuts, and the written layers."""
+    from qgis.utils import plugins
+
+    ours = plugins["isthmus"].menu
+    ours.menu.popup(stage.window.mapToGlobal(stage.window.rect().center()))
+    yield 1
+    stage.shot("menu")
+    ours.menu.close()
+    ours.try_example()
+    yield 2
+    stage.shot("example")
+    panel = ours.open_panel()
+    panel.layer_box.setLayer(stage.countries)
+    panel.find_button.click()
+    yield lambda: panel.task is None
+    for tau in (2, 5):
+        panel.set_tau(tau)
+        yield 1
+        stage.shot(f"panel-tau-{tau}")
+    panel.write_button.click()
+    yield lambda: panel.writing is None
+    yield 2
+    stage.shot("panel-written")
+    panel.forget()
+    panel.close()
+    dialog = ours.install_packages()
+    yield 1
+    stage.shot("packages", dialog)
+    dialog.close()
+
+
+@scene
 def models(stage):
     """The example models in the designer, and their dialogs."""
     from processing.modeler.ModelerDialog import ModelerDialog

@@ -31,6 +31,7 @@ from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from . import areas as layer
 from . import report
+from .areas_tool import AreasTool, field_index
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
@@ -77,11 +78,10 @@ programming, IJGIS 24(12), 2010.</p>
 """
 
 
-class AggregateAlgorithm(IsthmusAlgorithm):
+class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
     """Aggregate the areas of a coverage into large regions."""
 
     help_text = HELP
-    CLASS = "CLASS"
     THRESHOLD = "THRESHOLD"
     THRESHOLDS = "THRESHOLDS"
     EXCLUDED = "EXCLUDED"
@@ -119,12 +119,6 @@ class AggregateAlgorithm(IsthmusAlgorithm):
     def displayName(self):
         return "Aggregate areas"
 
-    def group(self):
-        return "Area aggregation"
-
-    def groupId(self):
-        return "aggregation"
-
     def tags(self):
         return (
             "aggregation,aggregate,generalize,generalization,land cover,land use,merge,dissolve,"
@@ -149,14 +143,8 @@ class AggregateAlgorithm(IsthmusAlgorithm):
                 name, label, kind, defaultValue=default, minValue=0, **options
             )
 
-        add(
-            QgsProcessingParameterFeatureSource(
-                self.INPUT, "Areas", [QgsProcessing.SourceType.TypeVectorPolygon]
-            ),
+        self.add_areas(
             "Areas that fill a map, or the pieces of Prepare areas for aggregation.",
-        )
-        add(
-            QgsProcessingParameterField(self.CLASS, "Class field", parentLayerParameterName=self.INPUT),
             "The field with the class of each area.",
         )
         add(
@@ -446,15 +434,7 @@ class _Run:
         ]
 
     def field(self, name, needed=True):
-        """Index of a field that a parameter names; -1 where it names none."""
-        wanted = self.tool.parameterAsString(self.parameters, name, self.context)
-        index = self.source.fields().lookupField(wanted) if wanted else -1
-        if index < 0 and (needed or wanted):
-            names = ", ".join(field.name() for field in self.source.fields())
-            raise QgsProcessingException(
-                f"The areas have no field {wanted!r} ({name}). Their fields are: {names}."
-            )
-        return index
+        return field_index(self.tool, self.parameters, self.context, self.source, name, needed)
 
     def read(self):
         """Read the layer and the tables into a problem."""

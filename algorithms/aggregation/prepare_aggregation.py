@@ -5,11 +5,8 @@ from functools import partial
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsProcessing,
-    QgsProcessingException,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
-    QgsProcessingParameterFeatureSource,
-    QgsProcessingParameterField,
     QgsProcessingParameterNumber,
     QgsProcessingUtils,
     QgsWkbTypes,
@@ -25,6 +22,7 @@ from ..layers.wkb import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, NATURAL, PartitionTool, report_short
 from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
+from .areas_tool import AreasTool, field_index
 
 PIECE_FIELDS = (("area_id", LONG), ("piece", LONG), ("size", REAL), ("status", TEXT))
 PAIR_FIELDS = (("a", LONG), ("b", LONG), ("length", REAL), ("virtual", INTEGER))
@@ -48,11 +46,10 @@ GIScience 2016, section 5.2.</p>
 """
 
 
-class PrepareAggregationAlgorithm(PartitionTool):
+class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
     """Split the areas of a coverage at bottlenecks."""
 
     help_text = HELP
-    CLASS = "CLASS"
     TAU = "TAU"
     OUTPUT = "OUTPUT"
     ADJACENCY = "ADJACENCY"
@@ -68,12 +65,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
     def displayName(self):
         return "Prepare areas for aggregation"
 
-    def group(self):
-        return "Area aggregation"
-
-    def groupId(self):
-        return "aggregation"
-
     def tags(self):
         return (
             "aggregation,generalize,generalization,land cover,land use,split,bottleneck,coverage,"
@@ -86,14 +77,8 @@ class PrepareAggregationAlgorithm(PartitionTool):
     def initAlgorithm(self, configuration=None):
         add = self.add
         number = QgsProcessingParameterNumber.Type
-        add(
-            QgsProcessingParameterFeatureSource(
-                self.INPUT, "Areas", [QgsProcessing.SourceType.TypeVectorPolygon]
-            ),
+        self.add_areas(
             "The areas of a map, which fill it without overlaps and gaps.",
-        )
-        add(
-            QgsProcessingParameterField(self.CLASS, "Class field", parentLayerParameterName=self.INPUT),
             "The field with the class of each area. Areas without one are reported.",
         )
         add(
@@ -168,7 +153,7 @@ class PrepareAggregationAlgorithm(PartitionTool):
         from ...core.partition.solve import finish, select
         from ...core.rings import Rings, offsets_of
 
-        class_index = _class_index(self, parameters, context, source)
+        class_index = field_index(self, parameters, context, source, self.CLASS)
         crs, reader = source.sourceCrs(), Reader(source, feedback)
         multi = QgsWkbTypes.isMultiType(reader.wkb_type)
         own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
@@ -286,18 +271,6 @@ class PrepareAggregationAlgorithm(PartitionTool):
             self.OVERLAP_COUNT: len(overlaps),
             self.GAP_COUNT: len(wrong.gaps),
         }
-
-
-def _class_index(tool, parameters, context, source):
-    """Index of the class field."""
-    name = tool.parameterAsString(parameters, tool.CLASS, context)
-    index = source.fields().lookupField(name)
-    if index < 0:
-        names = ", ".join(field.name() for field in source.fields())
-        raise QgsProcessingException(
-            f"The areas have no field {name!r} (CLASS). Their fields are: {names}."
-        )
-    return index
 
 
 def _report(feedback, kept, overlaps, gaps, classless, most=10):

@@ -7,9 +7,9 @@ the very cuts that the tool makes; the levels by number of parts are those of `i
 
 from typing import NamedTuple
 
+from ...core.partition.nesting import NO_END
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
-from .hierarchy import NO_END
 from .solving import Settings, measure_of, prepare, read
 
 
@@ -158,7 +158,7 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
             "SMALLEST_PART": lambda feature: smallest_part, "MIN_LENGTH": lambda feature: 0.0,
             "MIN_HOLE": lambda feature: 0.0,
         },
-        lines=None, weigh=None, all_dilations=False,
+        lines=None, new_vertices=False, weigh=None, all_dilations=False,
     )  # fmt: skip
     problems, nested = [], []
     for chunk in read(features, settings, feedback):
@@ -169,7 +169,7 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
         selected, in_tree = selection.selected, np.isin(selection.selected, selection.carved.tree)
         owner = prepared.owner[selected]
         feature = problem.owner[owner]
-        # as in hierarchy._nest
+        # as in nesting.nest
         persistence = np.clip(found.persistence, np.nextafter(tau, np.inf), NO_END)
         solved = problem.verdict[prepared.polygons.number[owner]] == ""
         order = np.lexsort((found.rank, owner, -persistence, feature))

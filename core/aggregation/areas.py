@@ -106,8 +106,9 @@ def arrange(
     ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
     row_area = np.repeat(ring_area, np.diff(offsets))
     low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
-    np.minimum.at(low, row_area, xy)
-    np.maximum.at(high, row_area, xy)
+    if len(some):  # ring by ring first: `at` is slow in older numpy
+        np.minimum.at(low, ring_area, np.minimum.reduceat(xy, offsets[:-1]))
+        np.maximum.at(high, ring_area, np.maximum.reduceat(xy, offsets[:-1]))
     some = np.isfinite(low[:, 0])
     x[some] = np.clip(x[some], low[some, 0], high[some, 0])
     y[some] = np.clip(y[some], low[some, 1], high[some, 1])

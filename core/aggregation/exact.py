@@ -5,7 +5,9 @@ neighbours differ: ``d >= x[v, u] - x[w, u]``, in one direction only, as both su
 cuts ``x[v, u] <= sum of x[s, u] over a separator of u and v`` (Oehrlein and Haunert 2017), added
 where a solution violates them.
 
-The relaxation comes first, by column generation: most pairs of an area and a far core are left out,
+First prices of areas, by which every core is a problem of its own (see `lagrangian`): in half a minute they
+bound a part of 150 areas within some percent, and tell cores that are in no better solution. Then
+the relaxation, by column generation: most pairs of an area and a far core are left out,
 and come in where the dual prices ask for them. Contiguity cuts are separated in the relaxation.
 Its bound, and a good solution to start from, tell which pairs are in no better solution; what is
 left is solved in integers. Every bound holds: pairs that are left out with a negative reduced
@@ -34,6 +36,7 @@ from .instance import (
     shares,
     solution,
 )
+from .lagrangian import facing, lagrangian
 
 __all__ = ["Exact", "exact", "require_highs"]
 
@@ -42,6 +45,7 @@ ALL_PAIRS = 1_500  # so many pairs are in the relaxation from the beginning
 NEAREST, BALL = 16, 48  # otherwise: the cheapest cores of an area, and the areas around a core
 MORE = 12  # pairs an area that come in at once
 LARGEST_INTEGER = 6_000  # pairs left that are worth a programme in integers
+FEW_AREAS = 40  # to so many the programme is quicker than the prices of areas, and mostly proves
 LEVELS = (1e-6, 0.1, 0.25, 0.5, 0.75)  # where the support of a fractional solution is looked at
 
 
@@ -224,6 +228,8 @@ class _Part:
         # who counts as equal: the same core, or a core of the same class
         self.kind = problem.cls[self.cores] if problem.by_class else np.arange(len(self.cores))
         self.kind = np.unique(self.kind, return_inverse=True)[1].ravel()
+        # a boundary costs both of its regions, whatever they are
+        self.decomposes = not (problem.by_class and problem.boundary)
         self.rounds, self.cuts = 0, {}
         self.too_large = self.free * len(self.cores) > LARGEST_PROGRAMME
         self.chosen = self._start(begin, big)
@@ -267,18 +273,25 @@ class _Part:
         """Return the core of each free area, a lower bound, whether it is reached, and the rounds."""
         # what is fixed costs the same in all solutions, and is counted elsewhere
         bound = float(self.cost[:self.free].min(axis=1).sum())
-        if not self.too_large:
-            bound = max(bound, self._bound(until, check))
+        far = np.zeros(len(self.cores), dtype=bool)
+        if self.decomposes and self.free > FEW_AREAS and not self.too_large:
+            by_prices = lagrangian(self, until, check)
+            bound, far = max(bound, by_prices.value), by_prices.far
+            self.rounds += by_prices.rounds
+        if not self.too_large and bound < self._cost_of(self.chosen) * (1.0 - 1e-9):
+            bound = max(bound, self._bound(far, until, check))
         best = self._cost_of(self.chosen)
         proven = bound >= best * (1.0 - 1e-9)
         core = self.cores[self.chosen[:self.free]]
         return core, min(bound, best) if proven else bound, proven, self.rounds
 
-    def _bound(self, until, check):
+    def _bound(self, far, until, check):
+        """Bound of the relaxation, and of the programme; without cores that are known to be far."""
         n, k = len(self.areas), len(self.cores)
         possible = np.ones((n, k), dtype=bool)
         possible[self.free:] = False
         possible[self.own, np.arange(k)] = True
+        possible[:, far] = False
         chosen = self._first_pairs() & possible
         bound, last = -np.inf, -np.inf
         while perf_counter() < until:
@@ -518,29 +531,17 @@ class _Part:
                     seen.add(part)
                     around = {s for v in part for s in self.adjacent[v]} - part
                     if u not in part and u not in around:  # who is in here comes through those
-                        facing, inside = self._facing(u, around, part), part
+                        ahead, inside = facing(self.adjacent, u, around, part), part
                     elif u in part and not enough(self.size[list(part)].sum(), self.theta[j]):
-                        facing, inside = around, (u,)  # too small: it goes on somewhere
+                        ahead, inside = around, (u,)  # too small: it goes on somewhere
                     else:
                         continue
-                    separator = tuple(sorted(facing))
+                    separator = tuple(sorted(ahead))
                     most = column[list(separator)].sum() + 1e-4
                     for v in inside:
                         if column[v] > most:
                             found[j, v, separator] = None
         return found
-
-    def _facing(self, u, around, part):
-        """The areas of a separator that are reached from u."""
-        reached, stack, facing = {u}, [u], set()
-        while stack:
-            for s in self.adjacent[stack.pop()]:
-                if s in around:
-                    facing.add(s)
-                elif s not in reached and s not in part:
-                    reached.add(s)
-                    stack.append(s)
-        return facing
 
     # ---- in integers
 

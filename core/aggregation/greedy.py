@@ -202,69 +202,100 @@ def reach_count(problem, found, count, check=None):
     Solution
         With a number of regions as near to ``count`` as single merges and splits lead.
     """
-    region = found.region.copy()
-    adjacent = adjacency(problem)
-    groups = {r: np.flatnonzero(region == r) for r in range(len(found.core))}
-    core = dict(enumerate(found.core.tolist()))
-    lost = helpless(problem)
-    following = len(core)
-    heap = []
-
-    def cost_of(r):
-        return float(shares(problem, groups[r], np.array([core[r]])).sum())
-
-    def kept_of(v):
-        return problem.cls[core[int(region[v])]]
-
-    def offer(r):
-        if lost[core[r]]:
-            return
-        if len(core) < count:
-            split = best_split(problem, adjacent, groups[r], core[r], kept_of)
-            if split is not None:
-                heapq.heappush(heap, (split[0], r, len(groups[r]), -1, 0, split[1], split[2]))
-            return
-        around = {}
-        for v in groups[r].tolist():
-            for slot in range(problem.start[v], problem.start[v + 1]):
-                s = int(region[problem.neighbour[slot]])
-                if s != r:
-                    around[s] = around.get(s, 0.0) + problem.length[slot]
-        for s, shared in around.items():
-            both = np.concatenate((groups[r], groups[s]))
-            kept = best_core(problem, both)
-            cost = float(shares(problem, both, np.array([kept])).sum()) - cost_of(r) - cost_of(s)
-            if not problem.by_class or problem.cls[core[r]] != problem.cls[core[s]]:
-                cost -= problem.boundary * shared
-            heapq.heappush(heap, (cost, r, len(groups[r]), s, len(groups[s]), both.tolist(), kept))
-
-    splitting = len(core) < count
-    for r in list(core):
-        offer(r)
-    while heap and (len(core) < count if splitting else len(core) > count):
+    counted = _Counted(problem, found, len(found.core) < count)
+    counted.offer_all()
+    while counted.heap and counted.number != count:
         if check is not None:
             check(None)
-        _, r, size_r, s, size_s, areas, kept = heapq.heappop(heap)
+        counted.take()
+    return solution(problem, counted.region)
+
+
+class _Counted:
+    """Regions that are split, or merged, one after the other, the cheapest first.
+
+    ``heap`` has what is on offer: the price, the region and the number of its areas, the same of the
+    one it merges with (-1: it is split), the areas of the new region and its core.
+    """
+
+    def __init__(self, problem, found, splitting):
+        self.problem, self.splitting = problem, splitting
+        self.adjacent, self.lost = adjacency(problem), helpless(problem)
+        self.region, self.heap = found.region.copy(), []
+        self.groups = {r: np.flatnonzero(self.region == r) for r in range(len(found.core))}
+        self.core = dict(enumerate(found.core.tolist()))
+        self.following = len(self.core)
+
+    @property
+    def number(self):
+        """How many regions there are."""
+        return len(self.core)
+
+    def offer_all(self):
+        for r in list(self.core):
+            self.offer(r)
+
+    def offer(self, r):
+        """Offer what can be done with a region."""
+        if self.lost[self.core[r]]:
+            return
+        if self.splitting:
+            self._offer_split(r)
+        else:
+            self._offer_merges(r)
+
+    def _kept(self, v):
+        return self.problem.cls[self.core[int(self.region[v])]]
+
+    def _cost(self, areas, core):
+        return float(shares(self.problem, areas, np.array([core])).sum())
+
+    def _offer_split(self, r):
+        areas = self.groups[r]
+        found = best_split(self.problem, self.adjacent, areas, self.core[r], self._kept)
+        if found is not None:
+            heapq.heappush(self.heap, (found[0], r, len(areas), -1, 0, found[1], found[2]))
+
+    def _offer_merges(self, r):
+        p, groups, core, around = self.problem, self.groups, self.core, {}
+        for v in groups[r].tolist():
+            for slot in range(p.start[v], p.start[v + 1]):
+                s = int(self.region[p.neighbour[slot]])
+                if s != r:
+                    around[s] = around.get(s, 0.0) + p.length[slot]
+        for s, shared in around.items():
+            both = np.concatenate((groups[r], groups[s]))
+            kept = best_core(p, both)
+            cost = self._cost(both, kept) - self._cost(groups[r], core[r])
+            cost -= self._cost(groups[s], core[s])
+            if not p.by_class or p.cls[core[r]] != p.cls[core[s]]:
+                cost -= p.boundary * shared
+            heapq.heappush(
+                self.heap, (cost, r, len(groups[r]), s, len(groups[s]), both.tolist(), kept)
+            )
+
+    def take(self):
+        """Do the cheapest that is on offer, unless its regions have changed since."""
+        _, r, size_r, s, size_s, areas, kept = heapq.heappop(self.heap)
+        groups, core = self.groups, self.core
         if r not in core or len(groups[r]) != size_r:
-            continue
+            return
         if s >= 0 and (s not in core or len(groups[s]) != size_s):
-            continue
-        if splitting:
-            fresh, following = following, following + 1
+            return
+        if self.splitting:
+            fresh, self.following = self.following, self.following + 1
             groups[fresh] = np.array(areas)
             groups[r] = np.setdiff1d(groups[r], groups[fresh])
-            core[fresh] = kept
-            region[groups[fresh]] = fresh
-            core[r] = best_core(problem, groups[r])
-            core[fresh] = best_core(problem, groups[fresh])
-            offer(fresh)
+            self.region[groups[fresh]] = fresh
+            core[r] = best_core(self.problem, groups[r])
+            core[fresh] = best_core(self.problem, groups[fresh])
+            self.offer(fresh)
         else:
             groups[r] = np.array(areas)
-            region[groups[r]] = r
+            self.region[groups[r]] = r
             del core[s], groups[s]
             core[r] = kept
-        offer(r)
-    return solution(problem, region)
+        self.offer(r)
 
 
 def best_split(problem, adjacent, members, core, kept, most=24):

@@ -59,12 +59,17 @@ def rings(shapes):
     return xy[~last], np.append(0, np.cumsum(np.bincount(ring[~last]))), owner
 
 
-def pieces(shapes, tau=4.0):
-    """Partition polygons; return the parts as shapes and the polygon of each."""
+def pieces(shapes, tau=4.0, smallest=None):
+    """Partition polygons; return the parts as shapes and the polygon of each.
+
+    ``smallest``: take natural candidates, and no part below this share of its polygon's area.
+    """
     made, owner = [], []
     for number, shape in enumerate(shapes):
         xy, offsets, _ = rings([shape])
-        parts = partition(xy, offsets, tau).parts
+        parts = partition(
+            xy, offsets, tau, natural=smallest is not None, smallest=(smallest or 0.0) * shape.area
+        ).parts
         if len(parts.rings) == 1:
             made.append(shape)
         else:

@@ -1,11 +1,12 @@
 """The paper's experiment: the same annealing, the same steps, with and without partition.
 
-    python tests/benchmarks/aggregation_partition.py [--samples 8] [--seeds 2] [--steps 1000]
-        [--tau 2.5] [--factors 1 0.25] [--whole 4000000] [--out build/aggregation]
+    python tests/benchmarks/aggregation_partition.py [--samples 9] [--seeds 2] [--steps 1000]
+        [--tau 2.5] [--natural 0.01] [--factors 1 0.25] [--whole 4000000] [--out build/aggregation]
 
 Writes partition.md. Samples are compact groups of about 325 areas; each run has ``steps`` a piece, the
 same with and without partition. ``factors`` multiply the weights of boundary and centre distance: the
-lower, the more of the cost is class change.
+lower, the more of the cost is class change. ``natural``: cuts where people would cut, and no part below
+this share of its area.
 
 Two comparisons: as they are, each solution by the areas it was made of; and on the same ground, the
 solution of the whole areas measured on the pieces too, with the best cores there.
@@ -64,11 +65,12 @@ def compare(plain, split, owner, seed, steps):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--samples", type=int, default=8)
+    parser.add_argument("--samples", type=int, default=9)
     parser.add_argument("--areas", type=int, default=325)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--steps", type=int, default=1000, help="steps a piece, in the samples")
     parser.add_argument("--tau", type=float, default=2.5)
+    parser.add_argument("--natural", type=float, help="share of the smallest part")
     parser.add_argument("--factors", type=float, nargs="+", default=[1.0, 0.25])
     parser.add_argument("--whole", type=int, default=4_000_000, help="steps of the whole map; 0: not")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "aggregation")
@@ -91,7 +93,7 @@ def main():
     print("\n".join(lines), flush=True)
     found = {}
     for name, group, steps in groups:
-        parts, owner = pieces(shapes[group], options.tau)
+        parts, owner = pieces(shapes[group], options.tau, options.natural)
         plain, split = build(shapes[group], classes[group]), build(parts, classes[group][owner])
         steps = steps or options.steps * len(parts)
         for factor in options.factors:

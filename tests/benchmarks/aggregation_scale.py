@@ -1,13 +1,15 @@
 """The map of 55,191 polygons: shared boundaries, greedy, annealing; time and memory.
 
-    python tests/benchmarks/aggregation_scale.py [--steps 5000000] [--made 500000]
+    python tests/benchmarks/aggregation_scale.py [--steps 5000000] [--made 500000] [--tools]
 
 Seconds are those of the processor. ``--made``: instead, a made coverage of so many areas, its shared
-boundaries and greedy.
+boundaries and greedy. ``--tools``: from GeoPackage to GeoPackage by the tools, greedy, and with ``--made``
+the preparation before it.
 """
 
 import argparse
 import resource
+import tempfile
 from time import process_time
 
 import numpy as np
@@ -49,6 +51,52 @@ def made(count):
     return cells, np.clip(np.floor(wave + 4.0), 0, 7).astype(int)
 
 
+def by_tools(count):
+    """Greedy as a tool: on the land cover, or on a made coverage and its pieces."""
+    from many_polygons import Bench, memory
+    from qgis.core import QgsFeature, QgsField, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
+    from qgis.PyQt.QtCore import QVariant
+
+    if count:
+        shapes, values = made(count)
+    else:
+        shapes, values = layer("nlcd2011_zion_55191.gpkg", "landcover", ["class"])
+        values = values[:, 0]
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Bench(folder)
+        areas = QgsVectorLayer("Polygon?crs=EPSG:32612", "areas", "memory")
+        areas.dataProvider().addAttributes([QgsField("class", QVariant.Int)])
+        areas.updateFields()
+        fields, path = areas.fields(), f"{folder}/areas.gpkg"
+        options = QgsVectorFileWriter.SaveVectorOptions()
+        writer = QgsVectorFileWriter.create(
+            path, fields, areas.wkbType(), areas.crs(), areas.transformContext(), options
+        )
+        for blob, value in zip(shapely.to_wkb(shapes).tolist(), values.tolist()):
+            feature, geometry = QgsFeature(fields), QgsGeometry()
+            geometry.fromWkb(blob)
+            feature.setGeometry(geometry)
+            feature.setAttributes([None, int(value)][-len(fields):])
+            writer.addFeature(feature)
+        del writer, shapes
+        print(f"layer written, peak memory {memory():.2f} GB", flush=True)
+        if count:
+            took, results = bench.run(
+                "isthmus:prepareaggregation", path, CLASS="class", TAU=4.0, PLACES="Any", SMALLEST_PART=0
+            )
+            path = results["OUTPUT"]
+            print(f"prepareaggregation: {took:.0f} s, {results['PIECE_COUNT']} pieces, "
+                  f"peak memory {memory():.2f} GB", flush=True)
+        settings = {"AREA_ID": "area_id"} if count else {}
+        took, results = bench.run(
+            "isthmus:aggregate", path, CLASS="class", THRESHOLD=200_000.0, METHOD="greedy",
+            DISTANCE="equal" if count else "code", WEIGHT_BOUNDARY=30.0, WEIGHT_CENTRE=1e-4,
+            **settings,
+        )
+        print(f"aggregate, greedy: {took:.1f} s, {results['REGION_COUNT']} regions, "
+              f"peak memory {memory():.2f} GB", flush=True)
+
+
 def big(count):
     began = process_time()
     shapes, values = made(count)
@@ -70,8 +118,11 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--steps", type=int, default=5_000_000)
     parser.add_argument("--made", type=int, default=0)
+    parser.add_argument("--tools", action="store_true")
     parser.add_argument("--threshold", type=float, default=200_000.0)
     options = parser.parse_args()
+    if options.tools:
+        return by_tools(options.made)
     if options.made:
         return big(options.made)
     shapes, values = layer("nlcd2011_zion_55191.gpkg", "landcover", ["class"])
