@@ -228,9 +228,12 @@ def test_aggregation(tools, package, crs):
         areas = shapely.transform(areas, lambda xy: xy / 60_000 + (8.0, 50.0))
     layer = layer_of(areas, crs, [("class:string", classes)])
     theirs = tools("prepareaggregation", {
-        "INPUT": layer, "CLASS": "class", "TAU": 2.5, "OUTPUT": "memory:", "ADJACENCY": "memory:"
+        "INPUT": layer, "CLASS": "class", "TAU": 2.5, "NEW_VERTICES": crs == "EPSG:3035", "OUTPUT": "memory:",
+        "ADJACENCY": "memory:",
     })  # fmt: skip
-    ours = package.prepare_aggregation(areas, class_=classes, tau=2.5, crs=crs)
+    ours = package.prepare_aggregation(
+        areas, class_=classes, tau=2.5, new_vertices=crs == "EPSG:3035", crs=crs
+    )
     assert len(ours.pieces) > len(areas)
     assert_same(theirs["OUTPUT"], ours.pieces, ours.piece_fields, ids=("area_id",))
     assert_same(theirs["ADJACENCY"], None, ours.neighbours, ids=())
@@ -260,6 +263,7 @@ def test_aggregation(tools, package, crs):
 
 @pytest.mark.parametrize("crs, options", [
     ("EPSG:3035", {"scale": 1.5}), ("EPSG:3035", {"frame": False, "selection": "Greedy", "tau": 3}),
+    ("EPSG:3035", {"scale": 1.5, "places": "Natural", "smallest_part": 1}),
     ("EPSG:4326", {"scale": 2, "growth": 20}),
 ])  # fmt: skip
 def test_enlarge(tools, package, crs, options):
