@@ -15,6 +15,7 @@ in FOLDER (or ISTHMUS_DATA), which are no part of the project.
 import argparse
 import json
 import os
+import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
@@ -27,6 +28,7 @@ from maps import (
     EVERY_DIAGONAL,
     LAND,
     LAND_PARTS,
+    PICTURES,
     ROOT,
     SHORE,
     WATER_PARTS,
@@ -573,6 +575,19 @@ def focus_map():
     return noted
 
 
+def focus_maps():
+    """The best and the worst maps of the benchmark's fast groups."""
+    finish(("europe", "odd"), "focus_maps")
+    return {}
+
+
+def finish(groups, name):
+    """Have the benchmark of focus maps draw what it measures, and put the picture together."""
+    script, folder = ROOT / "tests" / "benchmarks" / "focus_maps.py", BUILD / "focus_maps"
+    sheet = PICTURES / f"{name}.png"
+    subprocess.run([sys.executable, script, *groups, "--draw", folder, "--sheet", sheet], check=True)
+
+
 def projected(polygons, crs):
     """Return polygons in degrees in a projection, vertex by vertex."""
     transform = QgsCoordinateTransform(system("EPSG:4326"), system(crs), QgsProject.instance())
@@ -588,7 +603,7 @@ MAPS = {
     make.__name__: make
     for make in (
         countries, western_europe, eurasia, mediterranean, baltic, arabia, great_lakes, two_lakes, river,
-        floor_plan, land_cover, focus_map,
+        floor_plan, land_cover, focus_map, focus_maps,
     )
 }  # fmt: skip
 

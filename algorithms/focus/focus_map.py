@@ -30,13 +30,13 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ..layers import wkb
 from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem
+from ..layers import wkb
+from ..layers.sinks import Sinks, make_fields
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..layers.wkb import REAL, TEXT
-from ..layers.sinks import Sinks, make_fields
 from ..partition.cutting import ANY, NATURAL, PLACES
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
@@ -56,12 +56,14 @@ the tool adds <i>relevant edges</i>, diagonals between points that are close to 
 way along the outline is long, and keeps these as well. By default it finds the smallest set of
 them by itself, the cuts of the tool <i>Partition polygons at bottlenecks</i>. All features are solved
 together: islands move with their mainland, and points that lines or polygons share stay together.
-The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle. Large
+The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle; land is
+stiffer than sea. Large
 maps are solved on a coarse triangulation of about 3,000 points and the outline of the region, and the
 detail is put back point by point.</p>
 <h3>Room</h3>
 <p>What the region gains, the rest has to give, or the map becomes larger: by <i>Growth of the map</i> at
-most, and by no more than it needs. With no growth at all the extent is kept, and what lies between the
+most, and by no more than it needs so that what is around the region bends as little for a small
+region as for a large one, at any scale. With no growth at all the extent is kept, and what lies between the
 region and the edge gets thin.</p>
 <h3>Which relevant edges</h3>
 <p><i>MinSize</i>, the optimal set, is the best choice: few edges, and the shape is kept. <i>Greedy</i>
@@ -242,14 +244,14 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 self.GROWTH,
                 "Growth of the map (%)",
                 QgsProcessingParameterNumber.Type.Double,
-                defaultValue=50.0,
+                defaultValue=200.0,
                 minValue=0.0,
                 maxValue=1000.0,
                 optional=True,
             ),
-            "How much wider and higher the frame may become, to both sides. It grows by 1.4 times "
-            "what the region gains, if that is less. 0 keeps the extent. Not used where the frame is "
-            "switched off.",
+            "How much wider and higher the frame may become, to both sides. It grows by less where less "
+            "is enough: a region that takes the share f of the width lets the map grow to scale times "
+            "f to the power 2/7. 0 keeps the extent. Not used where the frame is switched off.",
             decimals=0,
         )
         add(

@@ -23,7 +23,7 @@ from .mesh import heights
 
 __all__ = ["relax", "unbounded"]
 
-GUARD = 1e-4  # weight of the triangles beside that of the edges
+GUARD = 1e-4  # weight of all triangles beside that of the edges
 AREA = 0.5  # weight of the change of area beside that of the change of shape in a triangle
 THIN = 1e-11  # height of a triangle that the precision of the program does not reach
 LEFT = 0.05  # of a triangle's area, what a step must leave
@@ -33,7 +33,7 @@ SMALL = 1e-3  # share of the energy, below which a step is the last
 STUCK = 1e-4  # of the way, below which a step is none
 
 
-def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD):
+def relax(xy, triangles, edges, group, origin, scale, fixed, check, stiff=None, guard=GUARD):
     """Move the vertices of a triangulation so that its edges are distorted least.
 
     Parameters
@@ -53,6 +53,8 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
         Axis 0 is x, 1 is y. A vertex in focus fixes its region.
     check : callable
         Called with the share done; may raise `Cancelled`.
+    stiff : (t,) float, optional
+        How much more than others a triangle is to keep its shape.
     guard : float
         Weight of the triangles beside the edges.
 
@@ -78,9 +80,12 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
     pull = 2.0 * (reduced.T @ (matrix @ constant))
     corner = group[triangles]
     loose = (corner.min(axis=1) != corner.max(axis=1)) | (corner[:, 0] < 0)
-    triangles = triangles[loose & (heights(xy, triangles) > THIN)]
+    loose &= heights(xy, triangles) > THIN
+    triangles = triangles[loose]
     gradient, area = _gradient(xy, triangles)
     weight = guard * max(len(edges), 1) * area / area.sum()
+    if stiff is not None:
+        weight = weight * stiff[loose]
     slope = (gradient @ spread[:2 * n]).tocsr()
     fast = gradient @ constant[:2 * n]
     pattern = _Blocks(len(triangles))
@@ -99,12 +104,12 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, guard=GUARD)
         check(min(0.9 * done + 0.1 * step / STEPS, 1.0))
         first, second = _derivatives(jacobian)
         force = square @ q + pull * done + slope.T @ (weight[:, None] * first).ravel()
-        stiff = pattern.matrix(weight[:, None, None] * second)
-        hessian = (square + slope.T @ (stiff @ slope)).tocsc()
+        bend = pattern.matrix(weight[:, None, None] * second)
+        hessian = (square + slope.T @ (bend @ slope)).tocsc()
         go = 0.0 if short else 1.0 - done
         target = -force
         if go:
-            target = target - go * (pull + slope.T @ (stiff @ fast))
+            target = target - go * (pull + slope.T @ (bend @ fast))
         move = _solve(hessian, target)
         change = (slope @ move + fast * go).reshape(-1, 4)
         length = _bound(jacobian, change)

@@ -13,7 +13,7 @@ from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
 from .measures import Distortion, distortion
-from .mesh import frame_triangles, node, turned
+from .mesh import frame_triangles, node, others, turned
 from .selection import select
 
 __all__ = ["FocusMap", "enlarge"]
@@ -22,7 +22,8 @@ MOST = 3000  # vertices outside the focus to solve for
 POINT = 1e-12  # what is smaller than this share of the map is a point to the solver
 SIDES = 64  # a focus gets about so many vertices on its outline where the map has none
 GRID = 32  # free vertices along the longer side of the frame, where there is no polygon
-ROOM = 1.4  # of what the focus gains, how much the frame grows if it may
+DILATATION = 1.4  # of the ring around the focus, if the frame may grow as it should
+LAND = 10.0  # how much stiffer polygons are than what is between them
 PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
 ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
 
@@ -183,6 +184,7 @@ def enlarge(
     if scale == 1.0:
         shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
     else:
+        spare = others(xy, mesh.triangles, noded.edges)
         needed = np.zeros(len(xy), dtype=bool)
         needed[given.ravel()] = True
         for attempt in range(ATTEMPTS):
@@ -196,7 +198,7 @@ def enlarge(
             chosen = unique_pairs(chosen, len(xy))
             solid = np.concatenate((coarse.edges, chosen))
             check = stage(0.3, 0.85)
-            shift, bridges, size = _solved(mesh, coarse, solid, scale, tau, frame, growth, check)
+            shift, bridges, size = _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check)
             check = stage(0.85, 0.95)
             for g in np.unique(group[group >= 0]):  # exact, to the last digit
                 mine = np.flatnonzero(group == g)
@@ -209,9 +211,11 @@ def enlarge(
                 shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
             shift = reinsert(coarse, xy, shift, mesh.rigid, check)
             bad = turned(xy, xy + shift, mesh.triangles)
-            if not bad.any():
+            doubtful = turned(xy, xy + shift, spare)
+            if not bad.any() and (not doubtful.any() or attempt == ATTEMPTS - 1):
                 break
             needed[mesh.triangles[bad]] = True
+            needed[spare[doubtful]] = True
         else:
             x, y = graph.xy[mesh.triangles[bad].min()]
             raise Unsolvable(
@@ -327,7 +331,8 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     removable = np.arange(len(xy)) < n
     removable[np.concatenate(side)] = False
     removable &= rigid | (group < 0)
-    return _Mesh(xy, triangles, np.arange(len(xy)) < n, group, tuple(side), padded, removable, rigid & removable)
+    of_map = np.arange(len(xy)) < n
+    return _Mesh(xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable)
 
 
 def _on_land(land, points):
@@ -434,13 +439,14 @@ def _row_splits(noded, graph, starts):
     return result[np.lexsort((t, row[which]))]
 
 
-def _solved(mesh, coarse, solid, scale, tau, frame, growth, check):
+def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
     """The shift of the coarse vertices, the edges that join islands, and the growth of the frame."""
     n = len(mesh.xy)
     kept, inverse = np.unique(coarse.triangles, return_inverse=True)
-    triangles = inverse.reshape(-1, 3)
     place = np.full(n, -1)
     place[kept] = np.arange(len(kept))
+    # where no corner went, the triangles around are what they were, and so are the others there
+    triangles = np.concatenate((inverse.reshape(-1, 3), place[spare][(place[spare] >= 0).all(axis=1)]))
     xy, group = mesh.xy[kept], mesh.group[kept]
     lines = place[solid]
     used = np.unique(lines)
@@ -458,7 +464,8 @@ def _solved(mesh, coarse, solid, scale, tau, frame, growth, check):
         width = np.ptp(xy[:, axis])
         more = (size[axis] - 1.0) * (width - 2.0 * mesh.padded[axis]) / 2.0 - mesh.padded[axis]
         fixed += [(axis, side[2 * axis], -more), (axis, side[2 * axis + 1], more)]
-    moved, reached = relax(xy, triangles, links, group, origin, scale, fixed, check)
+    stiff = np.where(_on_land(land, xy[triangles].mean(axis=1)), LAND, 1.0)
+    moved, reached = relax(xy, triangles, links, group, origin, scale, fixed, check, stiff)
     if reached < 1.0:
         room = 1.0 + reached * (scale - 1.0)
         raise Unsolvable(
@@ -580,9 +587,9 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
     place = np.flatnonzero(np.bincount(links.ravel(), minlength=len(xy)) > 0)
     wanted = np.ones(2)
     if frame:
-        # what the focus gains is what the rest lacks; with ROOM of it the rest hardly bends
-        gain = sum((scale - 1.0) * np.ptp(xy[group == g], axis=0) for g in np.unique(group[group >= 0]))
-        wanted += ROOM * (gain / width).max()
+        # a ring of radii f and 1 goes to one of f scale and g: its modulus, ln(1 / f), becomes
+        # ln(g / (f scale)), and no map of rings bends less than the quotient (Groetzsch)
+        wanted *= scale * _share(xy, group, width) ** (1.0 - 1.0 / DILATATION)
     elif len(place):
         # as wide as it would like to be if its outermost points kept their scale
         ends = np.concatenate([[place[xy[place, axis].argmin()], place[xy[place, axis].argmax()]]
@@ -621,6 +628,22 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
     return wanted
 
 
+def _share(xy, group, width):
+    """How much of the width, or of the height, is in focus: the larger of both."""
+    inside = group >= 0
+    number = group[inside]
+    shares = []
+    for axis in (0, 1):
+        low, high = np.full(number.max() + 1, np.inf), np.full(number.max() + 1, -np.inf)
+        np.minimum.at(low, number, xy[inside, axis])
+        np.maximum.at(high, number, xy[inside, axis])
+        order = np.argsort(low)
+        low, high = low[order], np.maximum.accumulate(high[order])
+        covered = np.append(high[0], high[:-1])  # regions beside each other count once
+        shares.append(np.maximum(high - np.maximum(low, covered), 0.0)[1:].sum() + high[0] - low[0])
+    return float((np.array(shares) / width).max())
+
+
 def _sides(xy, axis):
     """Vertices on the first and the last side."""
     return (np.flatnonzero(xy[:, axis] == end(xy[:, axis])) for end in (np.min, np.max))
@@ -633,6 +656,7 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
     extent = float(np.hypot(*np.ptp(xy, axis=0)))
     chosen = [np.empty((0, 2), dtype=np.int64)]
     vertex = coarse.into[graph.vertex]
+    there = np.unique(vertex)
 
     def add(vertices, offsets, name):
         if offsets[1] < 4:
@@ -646,9 +670,9 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
     def add_shape(shape, name):
         rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(shape)]
         offsets = np.append(0, np.cumsum([len(ring) for ring in rings]))
-        vertices = match(xy, np.concatenate(rings))
-        if (vertices >= 0).all():
-            add(vertices, offsets, name)
+        place = match(xy[there], np.concatenate(rings))
+        if (place >= 0).all():
+            add(there[place], offsets, name)
 
     first = np.append(True, vertex[1:] != vertex[:-1])
     first[starts[:-1][np.diff(starts) > 0]] = True

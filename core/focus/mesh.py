@@ -16,10 +16,11 @@ from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
-__all__ = ["Noded", "frame_triangles", "heights", "node", "turned"]
+__all__ = ["Noded", "frame_triangles", "heights", "node", "others", "turned"]
 
 SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
 FLAT = 1e-11  # height of a triangle that lies between points on one line, but for rounding
+ROUND = 1e-9  # how far off a circle four points may be, in its width, to count as on it
 ROUNDS = 8  # of splitting edges; one or two are enough but for rounding
 
 
@@ -172,7 +173,8 @@ def frame_triangles(xy, segments):
     xy : (n, 2) float
         Distinct points.
     segments : (m, 2) int
-        They meet at their ends only, and have no other points on them.
+        They meet at their ends only, and have no other points on them. If there are any, those around
+        all points are among them.
 
     Returns
     -------
@@ -257,6 +259,59 @@ def _counter_clockwise(xy, triangles):
     if (sign == 0).any() or len(np.unique(triangles)) < len(xy):
         raise Unsolvable("the map could not be triangulated (too fine for double precision)")
     return triangles
+
+
+def others(xy, triangles, edges):
+    """Return triangles that stay upright only if all other Delaunay triangulations do.
+
+    Of a square each diagonal is as good as the other, and a map of many squares, as made from a raster,
+    has many Delaunay triangulations: each triangulates the polygons of points on a circle in its way. A
+    piecewise linear map of one may turn triangles of another. It turns none if these polygons stay
+    convex, which three corners in sequence tell.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+    triangles : (t, 3) int
+        Counter-clockwise.
+    edges : (m, 2) int
+        Pairs u < v that all triangulations have.
+
+    Returns
+    -------
+    (q, 3) int
+        Counter-clockwise.
+
+    Notes
+    -----
+    O(t log t).
+    """
+    n = len(xy)
+    side = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])  # an edge, what is opposite
+    key = np.sort(side[:, :2], axis=1) @ (n, 1)
+    order = np.argsort(key, kind="stable")
+    twin = np.flatnonzero(key[order][1:] == key[order][:-1])
+    twin = twin[~np.isin(key[order][twin], edges @ (n, 1))]
+    one, other = order[twin], order[twin + 1]
+    a, b, c, d = (xy[k] for k in (*side[one].T, side[other, 2]))
+    sides = (b - a, c - a, c - b, d - a, d - b)
+    width = np.maximum.reduce([(one * one).sum(axis=1) for one in sides])
+    lift = np.stack([np.column_stack((p - d, ((p - d) ** 2).sum(axis=1))) for p in (a, b, c)], axis=1)
+    round_ = np.abs(np.linalg.det(lift)) <= ROUND * width**2
+    t = len(triangles)
+    face = components(t, np.column_stack((one, other))[round_] % t).astype(np.int64)
+    face = np.where(np.bincount(face)[face] > 1, face, -1)
+    key = np.unique((face[:, None] * n + triangles)[face >= 0])
+    face, vertex = key // n, key % n
+    count = np.bincount(face)
+    middle = np.column_stack([np.bincount(face, xy[vertex, axis]) for axis in (0, 1)])
+    arm = xy[vertex] - middle[face] / count[face][:, None]
+    vertex = vertex[np.lexsort((np.arctan2(arm[:, 1], arm[:, 0]), face))]
+    last = np.cumsum(count)[face] - 1
+    place = np.arange(len(vertex))
+    after = np.where(place < last, place + 1, place - count[face] + 1)
+    found = np.column_stack((vertex, vertex[after], vertex[after[after]]))
+    return found[heights(xy, found) > FLAT]
 
 
 def turned(before, after, triangles, flat=FLAT):

@@ -192,10 +192,15 @@ def test_degrees_stay_on_the_globe(run, layer):
 
 
 def test_growth(run, land, focus):
-    """The default lets the map grow by what it needs, half as much again at most."""
-    results = run(TOOL, {"INPUT": land, "FOCUS": focus, "SCALE": 2.0, "OUTPUT": "memory:"})
-    box = features(results)[0].geometry().boundingBox()
-    assert 30 < box.width() <= 45 + 1e-9 and 30 < box.height() <= 45 + 1e-9
+    """By what the region needs, three times as much at most: 12 of 30 are in focus."""
+    for scale, growth in ((2.0, {}), (2.2, {}), (2.0, {"GROWTH": 30})):
+        results = run(TOOL, {"INPUT": land, "FOCUS": focus, "SCALE": scale, "OUTPUT": "memory:", **growth})
+        box = features(results)[0].geometry().boundingBox()
+        expected = 1.3 if growth else scale * 0.4 ** (2 / 7)
+        assert box.width() / 30 == pytest.approx(expected, rel=0.005)
+        assert box.height() / 30 == pytest.approx(expected, rel=0.005)
+    with pytest.raises(QgsProcessingException, match="larger than the frame"):
+        run(TOOL, {"INPUT": land, "FOCUS": focus, "SCALE": 8.0, "OUTPUT": "memory:"})
 
 
 def test_a_vertex_on_the_edge_of_a_neighbour_stays_on_it(run, layer, focus):

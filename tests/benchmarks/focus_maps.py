@@ -7,9 +7,9 @@ GROUP is any of britain, rules, world, europe, cover, islands, odd, along; witho
 world map. Land cover: made here, and
 ``--cover FILE.gpkg`` for more. --note writes the numbers of Great Britain to docs/measured/focus_maps.json.
 
-What is told of a map comes from an independent checker (tests/core/focus/verify.py): triangles of the
-input that are turned, new crossings by shapely, features that are no longer valid, shared vertices that came
-apart. Seconds are of the processor. No test.
+What is told of a map comes from an independent checker (tests/core/focus/verify.py): the proof that its
+piecewise linear map is one to one, triangles of the input's own triangulation that are turned, new crossings by
+shapely, features that are no longer valid, shared vertices that came apart. Seconds are of the processor. No test.
 """
 
 import argparse
@@ -33,7 +33,7 @@ BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5 +datum=WGS84 +units=m"
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 WORLD = ("DE", "BR", "CN", "EG", "US", "LU", "JP", "CL", "ID", "NO", "KE", "TR")
 EUROPE = ("DE", "CH", "LU", "IT", "GR", "NO", "PT", "PL")
-HEAD = ("case", "points", "scale", "growth", "turned", "crossings", "invalid", "apart", "flipped %",
+HEAD = ("case", "points", "scale", "growth", "proof", "turned", "crossings", "invalid", "apart", "flipped %",
         "median", "95 %", "edges", "points put in", "s")  # fmt: skip
 
 
@@ -41,6 +41,8 @@ def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("groups", nargs="*")
     arguments.add_argument("--draw", type=Path)
+    arguments.add_argument("--sheet", type=Path, help="the best six and the worst three in the folder, in one picture")
+    arguments.add_argument("--only", default="", help="cases with this in their name")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
     arguments.add_argument("--note", action="store_true")
     asked = arguments.parse_args()
@@ -55,8 +57,10 @@ def main():
         "britain": britain, "rules": rules, "world": world, "europe": europe, "cover": cover,
         "islands": islands, "odd": odd, "along": along,
     }
-    for name in asked.groups or groups:
+    for name in asked.groups or ([] if asked.sheet else groups):
         groups[name](asked)
+    if asked.sheet:
+        sheet(asked.draw, asked.sheet)
     print(f"largest memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20:.1f} GB")
 
 
@@ -70,12 +74,14 @@ def load():
     spec.loader.exec_module(package)
 
 
-def measure(asked, name, features, focus, scale=2.0, growth=0.5, check=True, **more):
+def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, **more):
     """Make one map, and print its row."""
     from isthmus.core.errors import IsthmusError
     from isthmus.core.focus.enlarge import enlarge
-    from isthmus.tests.core.focus.verify import verify, with_splits
+    from isthmus.tests.core.focus.verify import faults, verify, with_splits
 
+    if asked.only not in name:
+        return None
     rows, starts, numbers = flat(features)
     begun = time.process_time()
     try:
@@ -86,7 +92,10 @@ def measure(asked, name, features, focus, scale=2.0, growth=0.5, check=True, **m
         print(f"| {name} | {len(rows):,} | {scale:g} | refused: {problem} |", flush=True)
         return None
     seconds = time.process_time() - begun
-    found = verify(*with_splits(rows, starts, result), numbers)[:4] if check else ("",) * 4
+    found = ("",) * 5
+    if check:
+        lines = with_splits(rows, starts, result)
+        found = ("; ".join(faults(result, *lines)) or "ok", *verify(*lines, numbers)[:4])
     d = result.distortion
     numbers_ = (
         name, f"{len(rows):,}", f"{result.scale:g}", f"{result.growth.max():.2f}", *found,
@@ -95,7 +104,12 @@ def measure(asked, name, features, focus, scale=2.0, growth=0.5, check=True, **m
     )  # fmt: skip
     print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
     if asked.draw:
-        draw(asked.draw / f"{name.replace(' ', '_').replace(',', '')}.png", rows, starts, numbers, result, focus)
+        file = f"{name.replace(' ', '_').replace(',', '')}.png"
+        draw(asked.draw / file, rows, starts, numbers, result, focus)
+        told = asked.draw / "rows.json"
+        known = json.loads(told.read_text()) if told.exists() else {}
+        known[file] = [name, round(d.median, 1), round(d.high, 1)]
+        told.write_text(json.dumps(known, indent=1))
     return rows, result
 
 
@@ -133,7 +147,7 @@ def great_britain(size):
 def britain(asked):
     for size in "lihf":
         coast, wales = great_britain(size)
-        for growth in (0.5, 0.0):
+        for growth in (2.0, 0.0):
             measure(asked, f"Great Britain {size}, Wales, growth {growth:g}", coast, wales, growth=growth)
 
 
@@ -141,10 +155,11 @@ def rules(asked):
     coast, wales = great_britain("i")
     noted = {}
     for rule in RULES:
-        for growth in (0.5, 0.0):
+        for growth in (2.0, 0.0):
             name = f"Great Britain i, Wales, {rule}, growth {growth:g}"
-            result = measure(asked, name, coast, wales, growth=growth, rule=rule)[1]
-            if growth == 0.5:
+            made = measure(asked, name, coast, wales, growth=growth, rule=rule)
+            if made and growth == 2.0:
+                result = made[1]
                 noted[rule] = {"edges": len(result.edges), "median": round(result.distortion.median, 1),
                                "high": round(result.distortion.high, 1)}
     if asked.note:
@@ -213,7 +228,7 @@ def odd(asked):
     size = high - low
     for scale in (0.5, 1.0, 5.0):
         made = measure(asked, f"Great Britain i, Wales x {scale:g}", coast, wales, scale)
-        if scale == 1.0:
+        if made and scale == 1.0:
             assert np.array_equal(made[0], made[1].rows)
     box = lambda a, b, c, d: shapely.box(*(low + size * (a, b)), *(low + size * (c, d)))  # noqa: E731
     for name, focus in (
@@ -235,6 +250,8 @@ def along(asked):
     features = [feature(shape) for name, shape in shapes if name != "RU"]
     focus = shapely.union_all([shape for name, shape in shapes if name == "CH"])
     made = measure(asked, "Europe, CH, along", features, focus)
+    if made is None:
+        return
     rows, result = made
     starts = flat(features)[1]
     rng = np.random.default_rng(1)
@@ -371,6 +388,31 @@ def draw(picture, rows, starts, numbers, result, focus):
                 painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
                 painter.drawPath(path)
         left += int(width)
+    painter.end()
+    image.save(str(picture))
+
+
+def sheet(folder, picture):
+    """Of the maps drawn in a folder those that are distorted least and most, by what 95 % do not exceed."""
+    from qgis.PyQt.QtCore import QRect, Qt
+    from qgis.PyQt.QtGui import QColor, QImage, QPainter
+
+    order = sorted(json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0]))
+    order = [one for one in order if one[1][2] > 0.0]
+    width, height = 300, 220
+    image = QImage(3 * width, 3 * height, QImage.Format.Format_RGB32)
+    image.fill(QColor("#dbe6ec"))
+    painter = QPainter(image)
+    font = painter.font()
+    font.setPixelSize(12)
+    painter.setFont(font)
+    for k, (file, (name, median, high)) in enumerate(order[:6] + order[-3:]):
+        one = QImage(str(folder / file)).scaled(
+            width - 8, height - 26, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
+        x, y = k % 3 * width, k // 3 * height
+        painter.drawImage(x + (width - one.width()) // 2, y + 20, one)
+        painter.setPen(QColor("#8a2b1d" if k > 5 else "#333333"))
+        painter.drawText(QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees")
     painter.end()
     image.save(str(picture))
 

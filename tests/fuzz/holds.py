@@ -907,7 +907,7 @@ def check_level(case, solved, own, cuts):
         (polygon,) = polygons_of(part.geometry)
         assert shapely.is_valid(_shape([_distinct(r[:, :2]) for r in polygon])), "a part is invalid"
         actual.update(half_edges(polygon))
-    lines = [Ends(u, v) for _, _, u, v in cuts if actual[u, v] or actual[v, u]]  # else it connects a hole
+    lines = [Ends(u, v) for _, _, u, v in cuts if actual[u, v] and actual[v, u]]  # else it joins a hole
     polygons = with_points(solved, new_ends(case, solved, lines))
     if polygons is None:
         return

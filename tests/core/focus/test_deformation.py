@@ -1,5 +1,6 @@
 """The solver, the triangulation and its hierarchy, the measures, the rules for relevant edges."""
 
+import itertools
 import sys
 
 import numpy as np
@@ -137,6 +138,56 @@ def test_without_an_engine(monkeypatch):
     monkeypatch.delattr(mesh.shapely, "constrained_delaunay_triangles", raising=False)
     with pytest.raises(MissingEngine, match="pythoncdt"):
         mesh.frame_triangles(np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]), np.array([(0, 1)]))
+
+
+def upright(xy, triangles):
+    a, b, c = xy[triangles].transpose(1, 0, 2)
+    return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_other_triangulations_of_points_on_a_circle(seed):
+    """Any three of them stay upright if those that `others` tells do, and only then."""
+    rng = np.random.default_rng(seed)
+    xy = np.concatenate((circle(6, 1.0, (2.0, 0.5)), [(-3.0, -3.0), (6.1, -3.0), (6.0, 4.0), (-3.0, 4.2)]))
+    triangles = mesh.frame_triangles(xy, np.empty((0, 2), dtype=int))
+    found = mesh.others(xy, triangles, np.empty((0, 2), dtype=int))
+    assert len(found) == 6 and (found < 6).all() and upright(xy, found).all()
+    every = np.array(list(itertools.combinations(range(6), 3)))
+    every = np.where(upright(xy, every)[:, None], every, every[:, ::-1])
+    seen = set()
+    for _ in range(200):
+        after = xy + rng.normal(0.0, 0.25, xy.shape)
+        if upright(after, triangles).all():
+            seen.add(bool(upright(after, every).all()))
+            assert upright(after, found).all() == upright(after, every).all()
+    assert seen == {False, True}
+
+
+def test_a_line_across_a_square_leaves_no_choice():
+    xy = np.array([(x, y) for x in range(3) for y in range(3)], dtype=float) / 2.0
+    rim = [(0, 1), (1, 2), (2, 5), (5, 8), (7, 8), (6, 7), (3, 6), (0, 3)]
+    line = np.array([(0, 4)] + rim)
+    triangles = mesh.frame_triangles(xy, line)
+    squares = {frozenset((k, k + 1, k + 3, k + 4)) for k in (0, 1, 3, 4)}
+    found = mesh.others(xy, triangles, line)
+    assert len(found) == 12 and all(
+        sum(set(one) < square for square in squares) == 1 for one in found.tolist())
+    assert not any(set(one) < {0, 1, 3, 4} for one in found.tolist())
+    assert len(mesh.others(xy + np.arange(18).reshape(9, 2) ** 2 * 1e-6, triangles, line)) == 0
+
+
+def test_stiff_triangles_bend_less():
+    xy, triangles, edges, fixed = frame(2)
+    group = np.where(np.hypot(*(xy - 0.45).T) < 0.18, 0, -1)
+    origin = xy[group == 0].mean(axis=0)[None]
+    right = xy[triangles].mean(axis=1)[:, 0] > 0.6
+    bent = []
+    for side in (right, ~right):
+        shift, _ = deformation.relax(xy, triangles, edges[:0], group, origin, 1.8, fixed, nothing,
+                                     stiff=np.where(side, 100.0, 1.0))
+        bent.append(measures.distortion(xy, xy + shift, triangles[right]).median)
+    assert bent[0] < 0.5 * bent[1]
 
 
 def coarse_of(seed, n=800):

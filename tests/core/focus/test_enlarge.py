@@ -12,7 +12,7 @@ from isthmus.core.focus.enlarge import enlarge
 from isthmus.core.focus.mesh import turned
 
 from ..shapes import box, circle, mosaic, tour
-from .verify import verify, with_splits
+from .verify import faults, verify, with_splits
 
 
 def rings_of(*rings):
@@ -35,7 +35,9 @@ def check(rows, starts, polygons, focus, scale, result, frame=True):
         margin = 1e-9 * np.ptp(rows, axis=0).max()
         assert (result.rows.min(axis=0) >= rows.min(axis=0) - margin).all()
         assert (result.rows.max(axis=0) <= rows.max(axis=0) + margin).all()
-    assert verify(*with_splits(rows, starts, result), [[lines] for lines in polygons]).good
+    lines_of_map = with_splits(rows, starts, result)
+    assert verify(*lines_of_map, [[lines] for lines in polygons]).good
+    assert faults(result, *lines_of_map) == []
     assert not turned(result.points, result.moved, result.triangles).any()
     assert result.distortion.flipped == 0.0
 
@@ -152,6 +154,55 @@ def test_a_focus_that_cannot_be_enlarged(focus, words):
     rows, starts, polygons = rings_of(circle(40, 10.0))
     with pytest.raises(Unsolvable, match=words):
         enlarge(rows, starts, polygons, focus, 2.0)
+
+
+def test_the_frame_grows_with_the_modulus_of_the_ring():
+    """Twice and three times as large, the map bends alike; a small region needs no growth at all."""
+    rows, starts, polygons = rings_of(circle(400, 10.0))
+    focus = shapely.box(-3, -4, 3, 4)
+    made = [enlarge(rows, starts, polygons, focus, scale, growth=9.0) for scale in (2.0, 3.0)]
+    for one, scale in zip(made, (2.0, 3.0)):
+        assert one.growth == pytest.approx(scale * 0.4 ** (2 / 7), rel=0.01)
+        check(rows, starts, polygons, focus, scale, one, frame=False)
+    assert made[0].distortion.median == pytest.approx(made[1].distortion.median, abs=0.3)
+    assert enlarge(rows, starts, polygons, focus, 2.0, growth=0.2).growth == pytest.approx(1.2)
+    assert enlarge(rows, starts, polygons, shapely.box(-0.2, -0.2, 0.2, 0.2), 2.0, growth=9.0).growth.tolist() == [1, 1]
+
+
+def test_regions_above_each_other_count_once():
+    """And those beside each other twice."""
+    rows, starts, polygons = rings_of(circle(400, 10.0))
+    above, beside = (
+        shapely.MultiPolygon([shapely.box(*(at - 1.5), *(at + 1.5)) for at in np.array(middles)])
+        for middles in ([(0, -6.0), (0, 0), (0, 6.0)], [(-6.0, -3), (0.0, -1), (6.0, 1)])
+    )
+    growth = [enlarge(rows, starts, polygons, one, 2.0, growth=9.0).growth.max() for one in (above, beside)]
+    assert growth == pytest.approx([2.0 * 0.45 ** (2 / 7)] * 2, rel=0.02)
+
+
+def test_half_of_a_map_and_five_times():
+    rows, starts, polygons = rings_of(circle(200, 10.0))
+    for focus, scale in ((shapely.box(-11, -11, 11, 0), 2.0), (shapely.box(-3, -3, 3, 3), 5.0)):
+        check(rows, starts, polygons, focus, scale, enlarge(
+            rows, starts, polygons, focus, scale, growth=2.0), frame=False)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_raster_holds_for_other_diagonals(seed):
+    """Any triangulation of its squares: the checker's is another one."""
+    rng = np.random.default_rng(seed)
+    kind = rng.integers(0, 3, (18, 18))
+    squares = np.array([[box(x, y, x + 1, y + 1) for y in range(18)] for x in range(18)])
+    shapes = shapely.get_parts([shapely.union_all(shapely.polygons(squares[kind == k])) for k in range(3)])
+    features = [[shapely.get_coordinates(r) for r in shapely.get_rings(shape)] for shape in shapes]
+    rings = [ring for feature in features for ring in feature]
+    starts = np.append(0, np.cumsum([len(ring) for ring in rings]))
+    number = iter(range(len(rings)))
+    polygons = [[next(number) for _ in feature] for feature in features]
+    focus = shapely.box(5.3, 5.3, 12.6, 12.6)
+    result = enlarge(np.concatenate(rings), starts, polygons, focus, 2.0, growth=0.3)
+    lines = with_splits(np.concatenate(rings), starts, result)
+    assert verify(*lines, [[one] for one in polygons]).good and faults(result, *lines) == []
 
 
 def test_without_a_frame_the_map_grows():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
-__all__ = ["Verdict", "crossing_pairs", "verify", "with_splits"]
+__all__ = ["Verdict", "crossing_pairs", "faults", "verify", "with_splits"]
 
 
 class Verdict(NamedTuple):
@@ -16,7 +17,8 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     turned : int
-        Triangles of a triangulation of each polygon of the input that turned over.
+        Triangles of a triangulation of each polygon of the input that turned over: its own Delaunay
+        triangulation. What it may and may not prove, see `faults`.
     crossings : int
         Pairs of segments that meet, and share no end, and did not meet before.
     invalid : int
@@ -85,6 +87,76 @@ def verify(before, after, starts, features):
             if good:
                 turned += _turned(before, after, starts, lines)
     return Verdict(turned, crossings, int(invalid), apart, True)
+
+
+def faults(result, before, after, starts):
+    """Return why a focus map is not proven to be one to one, from its own triangles; [] if it is.
+
+    A piecewise linear map of triangles that tile a rectangle is one to one, onto a rectangle, if every
+    triangle keeps its orientation and each side of the rectangle goes to a side: around an inner point
+    it is a local homeomorphism, of degree one at the rim. So lines that are edges of the triangulation
+    cross, touch and nest as they did. Of another triangulation of the same points this does not tell:
+    with the diagonal from (0, 0) to (1, 1) the first corner of the unit square may go to (0.7, 0.6),
+    and the triangle (0, 0), (1, 0), (0, 1) is upside down, with nothing folded.
+
+    Parameters
+    ----------
+    result : FocusMap
+    before, after, starts
+        The lines, see `with_splits`.
+    """
+    found = []
+    triangles, n = result.triangles, len(result.points)
+    a, b, c = result.points[triangles].transpose(1, 0, 2)
+    area = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2.0
+    size = np.ptp(result.points, axis=0)
+    if abs(area.sum() - size.prod()) > 1e-9 * size.prod():
+        found.append("the triangles do not fill the frame")
+    directed = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2) @ (n, 1)
+    back = triangles[:, [[1, 0], [2, 1], [0, 2]]].reshape(-1, 2) @ (n, 1)
+    if len(np.unique(directed)) < len(directed):
+        found.append("triangles overlap")
+    rim = directed[~np.isin(directed, back)]
+    rim = np.unique(np.concatenate((rim // n, rim % n)))
+    for axis in (0, 1):
+        for end in (np.min, np.max):
+            x, y = result.points[:, axis], result.moved[:, axis]
+            side = np.flatnonzero(np.abs(x - end(x)) <= 1e-9 * size[axis])
+            if np.ptp(y[side]) > 1e-9 * np.ptp(y) or abs(y[side][0] - end(y)) > 1e-9 * np.ptp(y):
+                found.append(f"a side of the frame is bent (axis {axis})")
+            rim = np.setdiff1d(rim, side)
+    if len(rim):
+        found.append("the frame is no rectangle")
+    height = area / np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
+    sign = np.array([_sign(*one) for one in result.moved[triangles[height > 1e-11 * size.max()]].tolist()])
+    if (sign <= 0).any():
+        found.append(f"{np.count_nonzero(sign <= 0)} triangles are turned")
+    known = {}
+    for k, point in enumerate(result.points.tolist()):
+        known.setdefault(tuple(point), k)
+    place = np.array([known.get(tuple(point), -1) for point in before.tolist()])
+    if (place < 0).any():
+        return found + ["a point of the map is no vertex"]
+    inner = np.ones(len(place) - 1, dtype=bool)
+    ends = np.asarray(starts[1:-1])
+    inner[ends[(ends > 0) & (ends < len(place))] - 1] = False
+    pairs = np.sort(np.column_stack((place[:-1], place[1:]))[inner], axis=1)
+    edges = np.sort(np.column_stack((directed // n, directed % n)), axis=1) @ (n, 1)
+    if not np.isin(pairs[pairs[:, 0] != pairs[:, 1]] @ (n, 1), edges).all():
+        found.append("a line of the map is no edge of triangles")
+    if not np.array_equal(result.moved[place], after):
+        found.append("a point is not where its vertex is")
+    return found
+
+
+def _sign(a, b, c):
+    """The orientation of three points, exactly."""
+    one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
+    if abs(one - other) > 1e-14 * (abs(one) + abs(other)):
+        return 1 if one > other else -1
+    (ax, ay), (bx, by), (cx, cy) = ([Fraction(x) for x in point] for point in (a, b, c))
+    exact = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    return (exact > 0) - (exact < 0)
 
 
 def crossing_pairs(xy, edges):
