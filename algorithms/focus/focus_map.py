@@ -3,7 +3,6 @@
 import contextlib
 import math
 import time
-from functools import partial
 from pathlib import Path
 
 from qgis.core import (
@@ -305,15 +304,13 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _rule(self, parameters, context):
         """The rule for relevant edges, as `selection.select` takes it."""
-        from ...core.focus import selection
+        from ...core.focus.selection import rule_of
 
-        rule = self.parameterAsEnumString(parameters, self.SELECTION, context)
-        function = {"MinSize": selection.min_size, "MinLength": selection.min_length}.get(rule)
-        return rule if function is None else partial(
-            function,
-            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
-            smallest=self.parameterAsDouble(parameters, self.SMALLEST_PART, context) / 100.0,
-        )  # fmt: skip
+        return rule_of(
+            self.parameterAsEnumString(parameters, self.SELECTION, context),
+            self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
+            self.parameterAsDouble(parameters, self.SMALLEST_PART, context) / 100.0,
+        )
 
     def parameter_problem(self, parameters, context):
         problem = scipy_problem()
