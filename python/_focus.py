@@ -57,7 +57,7 @@ def enlarge(
     places: str = "Any",
     smallest_part: float = 0.0,
     frame: bool = True,
-    growth: float = 50.0,
+    growth: float = 200.0,
     along: Iterable[Any] = (),
     crs: Any = None,
 ) -> FocusMap:
