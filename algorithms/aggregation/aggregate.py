@@ -3,6 +3,7 @@
 import contextlib
 from pathlib import Path
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsFeatureRequest,
@@ -307,8 +308,6 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
 
     def processAlgorithm(self, parameters, context, feedback):
         source = self.source(parameters, context)
-        import numpy as np
-
         from ...core.aggregation.instance import costs
 
         run = _Run(self, parameters, context, feedback, source)
@@ -563,8 +562,6 @@ class _Run:
 
     def write(self, found, sinks):
         """Write the layers; return the numbers."""
-        import numpy as np
-
         from ...core.aggregation.coverage import joined
         from ...core.aggregation.outcome import outcome
 

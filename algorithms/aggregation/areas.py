@@ -1,5 +1,6 @@
 """A layer of areas: what the two aggregation tools share."""
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsGeometry,
@@ -61,8 +62,6 @@ def read(reader, crs):
 
 def joined_geometry(areas, polygons, extra, multi):
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
-    import numpy as np
-
     from ...core.rings import offsets_of
 
     made = list(wkb.polygon_geometries(

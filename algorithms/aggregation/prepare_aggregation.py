@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import numpy as np
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsProcessing,
@@ -144,8 +145,6 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
 
     def _prepare(self, parameters, context, feedback, source, sinks):
         """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
-        import numpy as np
-
         from ...core.aggregation.areas import arrange, joined_rings, neighbours, rows_of
         from ...core.aggregation.coverage import faults, with_shared_vertices
         from ...core.errors import Cancelled
