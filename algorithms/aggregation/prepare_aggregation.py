@@ -198,6 +198,11 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
                         Rings(coords[found.rows], found.offsets, found.ring_offsets),
                         found.rows >= len(chunk.rings.coords),
                     ))
+                    whole = set(chunk.owner[problem.verdict != ""].tolist())  # may come out as they came
+                    whole.update(set(range(len(chunk.features))).difference(chunk.owner.tolist()))
+                    for number, feature in enumerate(chunk.features):
+                        if number not in whole:
+                            feature.clearGeometry()  # of 55,191 areas 0.03 GB
                     kept += chunk.features
         except Cancelled:
             return {}
