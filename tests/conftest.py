@@ -33,6 +33,9 @@ def pytest_configure(config):
     engine = config.getoption("--engine")
     if engine:  # for the processes that tests start, too
         os.environ["ISTHMUS_ENGINE"] = engine
+    pyproj = importlib.util.find_spec("pyproj")
+    if pyproj and pyproj.origin.startswith("/usr/lib/"):  # Debian's looks for its data beside a venv's Python
+        os.environ.setdefault("PROJ_DATA", "/usr/share/proj")
 
 
 if "isthmus" not in sys.modules:
