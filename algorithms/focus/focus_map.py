@@ -5,6 +5,7 @@ import math
 import time
 from pathlib import Path
 
+import numpy as np
 from qgis.core import (
     QgsCoordinateTransform,
     QgsCsException,
@@ -328,8 +329,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         for name, value in ((self.INPUT, source), (self.FOCUS, focus_source)):
             if value is None:
                 raise QgsProcessingException(self.invalidSourceError(parameters, name))
-        import numpy as np
-
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
         from ...core.focus.globe import on_the_globe
@@ -431,7 +430,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _focus(self, source, crs, context):
         """The region in focus, in the CRS of the map."""
-        import numpy as np
         import shapely
 
         from ...core.metric import FARTHEST
@@ -456,8 +454,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         source = self.parameterAsSource(parameters, self.EDGES, context)
         if source is None:
             return None
-        import numpy as np
-
         from ...core.focus.graph import match
 
         ends = [np.empty((0, 2, 2))]
@@ -500,8 +496,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
         if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
             return
-        import numpy as np
-
         before, after = (
             np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
             for xy in (result.points, result.moved)
@@ -544,8 +538,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
     def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
-        import numpy as np
-
         options = QgsVectorFileWriter.SaveVectorOptions()
         options.driverName, options.layerName = "GPKG", name
         options.actionOnExistingFile = action

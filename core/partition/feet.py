@@ -276,7 +276,7 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
 
 
 def _edges_opposite(polygons, triangles, wanted):
-    """The edges of the polygons, by the corners they leave, and the wanted vertex opposite in their triangle."""
+    """The edges of polygons, by the corners they leave, with a wanted vertex opposite in their triangle."""
     xy, vertex = polygons.xy, polygons.vertex
     after, several = vertex[polygons.next_corner], len(vertex) > len(xy)
     corner = np.empty(len(xy), dtype=np.int64)
