@@ -1,8 +1,8 @@
 """Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
 
 Lint and the order of imports by ruff, types in core and in the Python package by mypy, and here that what is
-public in core/*.py, core/partition/ and python/ says the types of all it takes and returns. Prints what it checked; exits with 1 if
-there is a fault.
+public in core/ and python/ says the types of all it takes and returns. Prints what it checked; exits with
+1 if there is a fault.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-TYPED = ("core/*.py", "core/partition/*.py", "python/*.py")
+TYPED = ("core/**/*.py", "python/*.py")
 
 
 def untyped(source):
@@ -48,7 +48,7 @@ def untyped(source):
 
 
 def annotation_faults(folder):
-    """Return what `untyped` finds in the modules of core that must be typed, as sentences."""
+    """Return what `untyped` finds in the modules that must be typed, as sentences."""
     return [
         f"{path.relative_to(folder)}:{one} does not say all its types"
         for pattern in TYPED

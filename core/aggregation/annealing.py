@@ -13,13 +13,13 @@ after is kept, block by block (see `blocks`).
 from __future__ import annotations
 
 from time import perf_counter
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
 from .blocks import best_of_both
 from .greedy import greedy, helpless, reach_count
-from .instance import costs, problems
+from .instance import Instance, Solution, costs, problems
 from .moves import (
     Terms,
     draw,
@@ -72,9 +72,15 @@ class _Effort(NamedTuple):
 
 
 def annealing(
-    problem, seed=0, iterations=None, seconds=None, count=None, check=None, begin=None,
-    schedule=Schedule(),  # noqa: B008  it cannot be changed
-):
+    problem: Instance,
+    seed: int = 0,
+    iterations: int | None = None,
+    seconds: float | None = None,
+    count: int | None = None,
+    check: Callable | None = None,
+    begin: Solution | None = None,
+    schedule: Schedule = Schedule(),  # noqa: B008  it cannot be changed
+) -> Solution:
     """Aggregate by simulated annealing from the greedy result.
 
     Parameters

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .instance import Solution, costs, each_share
+from .instance import Instance, Solution, costs, each_share
 
 __all__ = ["best_of_both", "block_of_areas"]
 
 
-def block_of_areas(one, other):
+def block_of_areas(one: Solution, other: Solution) -> np.ndarray:
     """Return the block of each area: (n,) int, numbered from 0.
 
     Regions of two solutions that share an area belong to one block; so each block is a set of areas
@@ -28,7 +28,7 @@ def block_of_areas(one, other):
     return np.unique(block[one.region], return_inverse=True)[1].ravel()
 
 
-def best_of_both(problem, one, other, count=None):
+def best_of_both(problem: Instance, one: Solution, other: Solution, count: int | None = None) -> Solution:
     """Return the cheaper version of each block of two solutions.
 
     Parameters

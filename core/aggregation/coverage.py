@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from ..metric import Metric
 from ..rings import Rings, groups, offsets_of, signed_areas, take
 from ..rings import following as next_in_ring
 from ..rings import shapes as shapes_of_rings
@@ -75,7 +76,9 @@ class Faults(NamedTuple):
     gaps: np.ndarray
 
 
-def cover(coords, offsets, ring_polygon, tolerance=None):
+def cover(
+    coords: np.ndarray, offsets: np.ndarray, ring_polygon: np.ndarray, tolerance: float | None = None
+) -> Coverage:
     """Find the boundaries that polygons share.
 
     Parameters
@@ -229,7 +232,7 @@ def _repeated(tail, head, polygon, count):
     return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
 
 
-def shared(coverage, measure):
+def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]:
     """Return the shared boundaries.
 
     Parameters
@@ -257,7 +260,9 @@ def shared(coverage, measure):
     return np.column_stack((key // count, key % count)), np.bincount(group.ravel(), weights=length)
 
 
-def with_shared_vertices(rings, is_new, coverage, row):
+def with_shared_vertices(
+    rings: Rings, is_new: np.ndarray, coverage: Coverage, row: np.ndarray
+) -> tuple[Rings, np.ndarray]:
     """Give new vertices on shared boundaries to the neighbours, so that these stay shared bit for bit.
 
     Parameters
@@ -337,7 +342,7 @@ def with_shared_vertices(rings, is_new, coverage, row):
         kept = ~np.isin(owner, which[~valid])
 
 
-def centroids(coverage, plane, count):
+def centroids(coverage: Coverage, plane: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return area and centroid of each polygon in a plane with true areas.
 
     Parameters
@@ -375,7 +380,7 @@ def centroids(coverage, plane, count):
     return total(area), np.column_stack((total(moment[:, 0]), total(moment[:, 1])))
 
 
-def spreads(coverage, plane, owner):
+def spreads(coverage: Coverage, plane: np.ndarray, owner: np.ndarray) -> np.ndarray:
     """Return the mean squared distance of the points of each area from the origin, exactly.
 
     Parameters
@@ -415,7 +420,7 @@ def spreads(coverage, plane, owner):
     return np.clip(mean, 0.0, most)
 
 
-def faults(coverage):
+def faults(coverage: Coverage) -> Faults:
     """Find overlaps and gaps.
 
     Returns
@@ -454,7 +459,7 @@ def faults(coverage):
     return Faults(np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0), gaps)
 
 
-def shapes(coverage, count=None):
+def shapes(coverage: Coverage, count: int | None = None) -> np.ndarray:
     """Return the polygons as shapely geometries; empty where a ring has fewer than three points.
 
     Parameters
@@ -487,7 +492,7 @@ def shapes(coverage, count=None):
     return result
 
 
-def joined(coverage, label):
+def joined(coverage: Coverage, label: np.ndarray) -> dict[int, list[list[np.ndarray]]]:
     """Join the polygons of each label along their shared boundaries.
 
     Parameters

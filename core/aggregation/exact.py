@@ -17,7 +17,8 @@ cost are charged to it (each area has one core only, and there is not room for m
 from __future__ import annotations
 
 from time import perf_counter
-from typing import NamedTuple
+from types import ModuleType
+from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from ..errors import MissingEngine
 from .annealing import annealing
 from .greedy import greedy, helpless
 from .instance import (
+    Instance,
     Solution,
     build,
     components,
@@ -71,7 +73,7 @@ class Exact(NamedTuple):
     parts: int
 
 
-def require_highs():
+def require_highs() -> tuple[Callable, Callable, type, ModuleType]:
     """Return scipy's ``linprog``, ``milp``, ``LinearConstraint`` and ``sparse``.
 
     Raises
@@ -89,7 +91,13 @@ def require_highs():
     return linprog, milp, LinearConstraint, sparse
 
 
-def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
+def exact(
+    problem: Instance,
+    seconds: float = 60.0,
+    decompose: bool = True,
+    begin: Solution | None = None,
+    check: Callable | None = None,
+) -> Exact:
     """Aggregate at least cost.
 
     Parameters
@@ -158,7 +166,7 @@ def exact(problem, seconds=60.0, decompose=True, begin=None, check=None):
     return Exact(found, bound, proven, rounds, len(groups))
 
 
-def problems_of(problem, found, lost):
+def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, str]]:
     """Faults of a solution apart from those that nothing can help."""
     return [fault for fault in problems(problem, found) if not lost[found.core[fault[0]]]]
 

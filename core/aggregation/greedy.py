@@ -4,17 +4,28 @@ from __future__ import annotations
 
 import heapq
 import math
+from typing import Callable
 
 import numpy as np
 
-from .instance import best_core, components, connected_parts, each_share, enough, shares, solution
+from .instance import (
+    Instance,
+    Solution,
+    best_core,
+    components,
+    connected_parts,
+    each_share,
+    enough,
+    shares,
+    solution,
+)
 
 __all__ = ["adjacency", "best_split", "greedy", "helpless", "reach_count"]
 
 FEW = 24  # areas from which arrays are quicker than a loop
 
 
-def helpless(problem):
+def helpless(problem: Instance) -> np.ndarray:
     """Return the areas that no region can help: (n,) bool.
 
     They belong to components (islands, for one) too small for any of their own classes.
@@ -24,16 +35,16 @@ def helpless(problem):
     total = np.bincount(component, weights=problem.size, minlength=count)
     least = np.full(count, np.inf)
     np.minimum.at(least, component, problem.theta[problem.cls])
-    return ~enough(total, least)[component]
+    return np.logical_not(enough(total, least))[component]
 
 
-def adjacency(problem):
+def adjacency(problem: Instance) -> list[list[int]]:
     """Return for each area a list of its neighbours."""
     start, neighbour = problem.start.tolist(), problem.neighbour.tolist()
     return [neighbour[lo:hi] for lo, hi in zip(start[:-1], start[1:])]
 
 
-def greedy(problem, check=None):
+def greedy(problem: Instance, check: Callable | None = None) -> Solution:
     """Aggregate by region growing.
 
     Parameters
@@ -188,7 +199,7 @@ class _Growing:
             self.cost[s] = stays
 
 
-def reach_count(problem, found, count, check=None):
+def reach_count(problem: Instance, found: Solution, count: int, check: Callable | None = None) -> Solution:
     """Merge or split regions at least cost until there are as many as wanted.
 
     Parameters
@@ -298,7 +309,14 @@ class _Counted:
         self.offer(r)
 
 
-def best_split(problem, adjacent, members, core, kept, most=24):
+def best_split(
+    problem: Instance,
+    adjacent: list[list[int]],
+    members: np.ndarray,
+    core: int,
+    kept: Callable,
+    most: int = 24,
+) -> tuple[float, list[int], int] | None:
     """Return the cheapest way to split a region in two that are both large enough.
 
     Parameters

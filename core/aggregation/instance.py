@@ -20,7 +20,7 @@ sqrt(sum(w m) / sum(w))``, because the square root is concave.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Iterable, NamedTuple
 
 import numpy as np
 
@@ -88,7 +88,7 @@ class Instance(NamedTuple):
     by_class: bool
 
     @property
-    def owner(self):
+    def owner(self) -> np.ndarray:
         """(h,) int: the area whose neighbour each entry of ``neighbour`` is."""
         return np.repeat(np.arange(len(self.size)), np.diff(self.start))
 
@@ -135,15 +135,25 @@ class Costs(NamedTuple):
     centre_distance: float
 
     @property
-    def total(self):
+    def total(self) -> float:
         """The total cost."""
         return self.change + self.boundary + self.centre
 
 
 def build(
-    size, cls, place, pairs, length, distance, theta, change=1.0, boundary=0.0, centre=0.0,
-    by_class=False, spread=None,
-):
+    size: np.ndarray,
+    cls: np.ndarray,
+    place: np.ndarray,
+    pairs: np.ndarray,
+    length: np.ndarray,
+    distance: np.ndarray,
+    theta: np.ndarray,
+    change: float = 1.0,
+    boundary: float = 0.0,
+    centre: float = 0.0,
+    by_class: bool = False,
+    spread: np.ndarray | None = None,
+) -> Instance:
     """Return an instance.
 
     Parameters
@@ -184,7 +194,7 @@ def build(
     )
 
 
-def hierarchical_distance(codes):
+def hierarchical_distance(codes: list[str]) -> np.ndarray:
     """Class distance from hierarchical codes: the share of the digits after the common beginning.
 
     Parameters
@@ -207,7 +217,7 @@ def hierarchical_distance(codes):
     return 1.0 - same.sum(axis=2) / width
 
 
-def shares(problem, areas, cores):
+def shares(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.ndarray:
     """Cost of each area in a region with each core: class change and centre distance.
 
     Parameters
@@ -227,7 +237,7 @@ def shares(problem, areas, cores):
     return cost * problem.size[areas][:, None]
 
 
-def each_share(problem, areas, cores):
+def each_share(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.ndarray:
     """Cost of each area in a region with the core beside it; `shares`, elementwise."""
     cost = problem.change * problem.distance[problem.cls[areas], problem.cls[cores]]
     if problem.centre:
@@ -237,12 +247,12 @@ def each_share(problem, areas, cores):
     return cost * problem.size[areas]
 
 
-def away(vector, spread):
+def away(vector: np.ndarray, spread: np.ndarray) -> np.ndarray:
     """Root mean square distance of an area from a point, by the vector from it to the centroid."""
     return np.sqrt(vector.real**2 + vector.imag**2 + spread)
 
 
-def costs(problem, found):
+def costs(problem: Instance, found: Solution) -> Costs:
     """Return what a solution costs, recomputed from scratch. O(n + h)."""
     core = found.core[found.region]
     kept = problem.cls[core]
@@ -269,7 +279,7 @@ def costs(problem, found):
     )
 
 
-def components(problem, label=None):
+def components(problem: Instance, label: np.ndarray | None = None) -> np.ndarray:
     """Connected components of the areas, or of the areas of each label.
 
     Returns
@@ -295,7 +305,7 @@ def components(problem, label=None):
     return np.array(component, dtype=np.int64)
 
 
-def connected_parts(adjacent, areas):
+def connected_parts(adjacent: list[list[int]], areas: Iterable[int]) -> list[list[int]]:
     """Split some areas into connected parts, as lists; ``adjacent[v]`` are the neighbours of v."""
     left, parts = set(areas), []
     while left:
@@ -312,7 +322,7 @@ def connected_parts(adjacent, areas):
     return parts
 
 
-def solution(problem, region):
+def solution(problem: Instance, region: np.ndarray) -> Solution:
     """Complete regions by their best cores.
 
     Parameters
@@ -349,7 +359,7 @@ def solution(problem, region):
     return Solution(region, core)
 
 
-def best_core(problem, members, class_length=None):
+def best_core(problem: Instance, members: np.ndarray, class_length: np.ndarray | None = None) -> int:
     """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
     size = problem.size[members].sum()
     kept = problem.cls[members]
@@ -361,7 +371,7 @@ def best_core(problem, members, class_length=None):
     return int(members[cheapest_core(problem, members, extra)[0]])
 
 
-def cheapest_core(problem, members, extra):
+def cheapest_core(problem: Instance, members: np.ndarray, extra: np.ndarray) -> tuple[int, float]:
     """Return which of some areas is their cheapest core, and what they cost under it.
 
     Parameters
@@ -409,7 +419,7 @@ def cheapest_core(problem, members, extra):
     return best[2] if best[2] >= 0 else int(order[0]), best[0]
 
 
-def enough(size, theta):
+def enough(size: np.ndarray | float, theta: np.ndarray | float) -> np.ndarray | bool:
     """Whether a size reaches a threshold; sums of sizes may be off by rounding."""
     return size >= theta * (1.0 - 1e-12)
 
@@ -426,7 +436,7 @@ def _class_lengths(problem, members, region, core, number):
     return problem.boundary * (length.sum() - length)
 
 
-def problems(problem, found):
+def problems(problem: Instance, found: Solution) -> list[tuple[int, str]]:
     """Check a solution from scratch.
 
     Returns

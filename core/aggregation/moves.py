@@ -15,7 +15,7 @@ import numpy as np
 
 from .greedy import best_split
 from .instance import cheapest_core, connected_parts, each_share, shares
-from .regions import EXCLUDED, LARGEST_GROUP
+from .regions import EXCLUDED, LARGEST_GROUP, Regions
 
 __all__ = [
     "Terms", "draw", "every_move", "gather", "group_price", "merge", "move_area", "move_core",
@@ -42,7 +42,7 @@ class Terms(NamedTuple):
     lack: float
     region: float = 0.0
 
-    def accepts(self, delta, rng):
+    def accepts(self, delta: float, rng: np.random.Generator) -> bool:
         """Whether the rule of Metropolis accepts a price."""
         return delta < -self.temperature * math.log(rng.random() + 1e-300)
 
@@ -50,7 +50,7 @@ class Terms(NamedTuple):
 # ---- single areas
 
 
-def draw(regions, rng, m):
+def draw(regions: Regions, rng: np.random.Generator, m: int) -> tuple[np.ndarray, np.ndarray]:
     """Draw moves of areas to neighbouring regions, and some to new ones (-1)."""
     p = regions.problem
     v = regions.movable[rng.integers(len(regions.movable), size=m)]
@@ -65,7 +65,7 @@ def draw(regions, rng, m):
     return v[useful], to[useful]
 
 
-def every_move(regions, changed=None):
+def every_move(regions: Regions, changed: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """All moves of an area to the region of a neighbour, each once.
 
     Parameters
@@ -83,7 +83,7 @@ def every_move(regions, changed=None):
     return key // len(p.size), key % len(p.size)
 
 
-def prices(regions, v, to, terms):
+def prices(regions: Regions, v: np.ndarray, to: np.ndarray, terms: Terms) -> np.ndarray:
     """Prices of single moves: area v[i] to region to[i], or to a new one if that is -1.
 
     Returns
@@ -131,7 +131,7 @@ def prices(regions, v, to, terms):
     return delta
 
 
-def group_price(regions, group, r, to, terms):
+def group_price(regions: Regions, group: set[int], r: int, to: int, terms: Terms) -> float:
     """Price of moving a connected group of areas (without the core) from r to a region."""
     p = regions.problem
     areas = np.array(sorted(group))
@@ -157,7 +157,7 @@ def group_price(regions, group, r, to, terms):
     )
 
 
-def move_area(regions, v, to, terms, rng):
+def move_area(regions: Regions, v: int, to: int, terms: Terms, rng: np.random.Generator) -> bool:
     """Make a single move if its regions are untouched and stay contiguous; whether it was made.
 
     Areas that it would cut off follow, if that is accepted, too.
@@ -187,7 +187,7 @@ def move_area(regions, v, to, terms, rng):
 # ---- cores
 
 
-def recore(regions, terms):
+def recore(regions: Regions, terms: Terms) -> list[int]:
     """Give the regions that changed their best cores, all at once; return who got one.
 
     Notes
@@ -274,7 +274,7 @@ def _random_area(regions, rng):
     return int(regions.movable[rng.integers(len(regions.movable))])
 
 
-def merge(regions, terms, rng):
+def merge(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
     """Propose to merge two neighbouring regions."""
     v = _random_area(regions, rng)
     r = regions.labels[v]
@@ -324,7 +324,7 @@ def merge(regions, terms, rng):
         regions.core[to] = core
 
 
-def split(regions, terms, rng, most=4):
+def split(regions: Regions, terms: Terms, rng: np.random.Generator, most: int = 4) -> None:
     """Propose to split a region in two that are large enough."""
     r = regions.labels[_random_area(regions, rng)]
     if not 2 <= len(regions.members[r]) <= LARGEST_REGION or not regions.free:
@@ -354,7 +354,7 @@ def split(regions, terms, rng, most=4):
         regions.core[r] = stays
 
 
-def move_core(regions, terms, rng):
+def move_core(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
     """Propose to move the core of a region to a neighbour; the rest gets the best new core."""
     p = regions.problem
     r = regions.labels[_random_area(regions, rng)]
@@ -398,7 +398,7 @@ def _core_of_rest(regions, rest, size, old, terms):
     return int(rest[best]), cost - float(shares(p, rest, np.array([old])).sum())
 
 
-def gather(regions, terms, rng):
+def gather(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
     """Propose a new region of an area and others around it, from any regions, until it is enough.
 
     Where several small areas of a class lie together in regions of other classes, no move of one of

@@ -1,10 +1,12 @@
 """What becomes of the areas, as plain tables: what is written, told and reported follows from it."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from .instance import Solution, costs, problems
+from .instance import Instance, Solution, costs, problems
 
 
 class Outcome(NamedTuple):
@@ -53,7 +55,9 @@ class Balance(NamedTuple):
     lost: list
 
 
-def outcome(problem, found, shaped, sources, reason):
+def outcome(
+    problem: Instance, found: Solution, shaped: np.ndarray, sources: Sequence, reason: dict[int, str]
+) -> Outcome:
     """Return the `Outcome` of a solution.
 
     Parameters
@@ -73,10 +77,10 @@ def outcome(problem, found, shaped, sources, reason):
             "its class is excluded, and no other is possible here" if fault == "excluded class" else fault
         )
     members, groups = [[] for _ in range(count)], {}
-    for k, r in enumerate(region):
-        if r is not None:
-            members[r].append(k)
-        groups.setdefault((k if r is None else sources[k], r), []).append(k)
+    for k, its in enumerate(region):
+        if its is not None:
+            members[its].append(k)
+        groups.setdefault((k if its is None else sources[k], its), []).append(k)
     merged = np.full(len(region), -1)
     for number, group in enumerate(groups.values()):
         if len(group) > 1:
@@ -87,7 +91,7 @@ def outcome(problem, found, shaped, sources, reason):
     )
 
 
-def balance(problem, found, sources, classes):
+def balance(problem: Instance, found: Solution, sources: Sequence, classes: Sequence[str]) -> Balance:
     """Return the `Balance` of a solution; ``classes`` are the names."""
     n, kept = len(problem.size), problem.cls[found.core]
     before = costs(problem, Solution(np.arange(n), np.arange(n)))
@@ -112,7 +116,9 @@ def balance(problem, found, sources, classes):
     return Balance(parts, rows, lost_areas(problem, found, sources, classes))
 
 
-def lost_areas(problem, found, sources, classes):
+def lost_areas(
+    problem: Instance, found: Solution, sources: Sequence, classes: Sequence[str]
+) -> list[tuple[str, int, int]]:
     """Count the areas above half of the smallest size of their class, and those that lost it.
 
     An area in pieces lost its class if more than half of its size did.

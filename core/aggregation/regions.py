@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Collection, Sequence
+
 import numpy as np
 
 from .greedy import adjacency, helpless
-from .instance import connected_parts, solution
+from .instance import Instance, Solution, connected_parts, solution
 
 __all__ = ["EXCLUDED", "LARGEST_GROUP", "Regions"]
 
@@ -28,7 +30,7 @@ class Regions:
     begin : Solution
     """
 
-    def __init__(self, problem, begin):
+    def __init__(self, problem: Instance, begin: Solution) -> None:
         self.problem = problem
         n = len(problem.size)
         self.adjacent = adjacency(problem)
@@ -44,7 +46,7 @@ class Regions:
         self.by_class = problem.by_class and problem.boundary > 0.0
         self.load(begin)
 
-    def load(self, begin):
+    def load(self, begin: Solution) -> None:
         """Become the regions of a solution."""
         problem, slots = self.problem, len(self.problem.size)
         self.region = begin.region.astype(np.int64).copy()
@@ -62,11 +64,11 @@ class Regions:
         self.batch = 0
         self.dirty = set()
 
-    def missing(self, size, core):
+    def missing(self, size: np.ndarray | float, core: np.ndarray | int) -> np.ndarray | float:
         """Square metres that regions of these sizes lack for the classes of these cores."""
         return np.maximum(self.theta[core] - size, 0.0)
 
-    def put(self, areas, r, to):
+    def put(self, areas: Sequence[int], r: int, to: int) -> int:
         """Move areas from region r to another one, or a new one if ``to`` is -1; return it."""
         if to < 0:
             to = self.free.pop()
@@ -96,11 +98,11 @@ class Regions:
             self.dirty.discard(r)
         return to
 
-    def around(self, r):
+    def around(self, r: int) -> list[int]:
         """The regions beside a region, ascending."""
         return sorted({self.labels[u] for v in self.members[r] for u in self.adjacent[v]} - {r})
 
-    def cut_off(self, v, r):
+    def cut_off(self, v: int, r: int) -> Collection[int] | None:
         """Areas of region r that only v connects to its core; None if they are many."""
         members, labels = self.members[r], self.labels
         near = [u for u in self.adjacent[v] if labels[u] == r]
@@ -127,12 +129,12 @@ class Regions:
             lost = (reached | rest) - set(keep)
         return lost if len(lost) <= LARGEST_GROUP else None
 
-    def weigh(self):
+    def weigh(self) -> None:
         """Sum the sizes anew: those of millions of steps are off by rounding."""
         self.size = np.bincount(
             self.region, weights=self.problem.size, minlength=len(self.size)
         )
 
-    def current(self):
+    def current(self) -> Solution:
         """The regions as they are, with their best cores."""
         return solution(self.problem, self.region)

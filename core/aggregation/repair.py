@@ -8,6 +8,7 @@ import numpy as np
 
 from .instance import best_core, enough
 from .moves import Terms, group_price, prices, recore
+from .regions import Regions
 
 __all__ = ["HARD", "repair"]
 
@@ -15,7 +16,7 @@ HARD = Terms(temperature=0.0, lack=1e6)  # no square metre may be missing
 FREE = Terms(temperature=0.0, lack=0.0)
 
 
-def repair(regions, fixed=False):
+def repair(regions: Regions, fixed: bool = False) -> None:
     """Make every region large enough.
 
     Parameters

@@ -33,11 +33,11 @@ class Carrier:
     array([[0.75, 1.  ]])
     """
 
-    def __init__(self, points, moved, triangles):
+    def __init__(self, points: np.ndarray, moved: np.ndarray, triangles: np.ndarray) -> None:
         self._points, self._shift, self._triangles = points, moved - points, triangles
         self._low, self._high = points.min(axis=0), points.max(axis=0)
 
-    def __call__(self, xy):
+    def __call__(self, xy: np.ndarray) -> np.ndarray:
         """Return where points go.
 
         Parameters

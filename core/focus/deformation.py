@@ -17,6 +17,8 @@ of Smith and Schaefer 2015). So every state on the way is without a fold.
 
 from __future__ import annotations
 
+from typing import Callable, Sequence
+
 import numpy as np
 
 from .mesh import heights
@@ -33,7 +35,18 @@ SMALL = 1e-3  # share of the energy, below which a step is the last
 STUCK = 1e-4  # of the way, below which a step is none
 
 
-def relax(xy, triangles, edges, group, origin, scale, fixed, check, stiff=None, guard=GUARD):
+def relax(
+    xy: np.ndarray,
+    triangles: np.ndarray,
+    edges: np.ndarray,
+    group: np.ndarray,
+    origin: np.ndarray,
+    scale: float,
+    fixed: Sequence[tuple[int, np.ndarray, float]],
+    check: Callable,
+    stiff: np.ndarray | None = None,
+    guard: float = GUARD,
+) -> tuple[np.ndarray, float]:
     """Move the vertices of a triangulation so that its edges are distorted least.
 
     Parameters
@@ -143,7 +156,15 @@ def relax(xy, triangles, edges, group, origin, scale, fixed, check, stiff=None, 
     return np.column_stack((z[:n], z[n:2 * n])), done
 
 
-def unbounded(xy, edges, group, origin, scale, fixed, anchors):
+def unbounded(
+    xy: np.ndarray,
+    edges: np.ndarray,
+    group: np.ndarray,
+    origin: np.ndarray,
+    scale: float,
+    fixed: Sequence[tuple[int, np.ndarray, float]],
+    anchors: np.ndarray,
+) -> np.ndarray:
     """Return displacements of least distortion without triangles, and with s = 1 at some vertices.
 
     Parameters, returns: see `relax`; ``anchors`` are vertices.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 import shapely
@@ -69,21 +69,21 @@ class FocusMap(NamedTuple):
 
 
 def enlarge(
-    rows,
-    starts,
-    polygons,
-    focus,
-    scale=2.0,
-    edges=None,
-    rule="MinSize",
-    tau=2.0,
-    frame=True,
-    growth=0.0,
-    aspect=1.0,
-    most=MOST,
-    progress=None,
-    cancelled=None,
-):
+    rows: np.ndarray,
+    starts: np.ndarray,
+    polygons: Sequence[Sequence[int]],
+    focus: shapely.Geometry,
+    scale: float = 2.0,
+    edges: np.ndarray | None = None,
+    rule: str | Callable = "MinSize",
+    tau: float = 2.0,
+    frame: bool = True,
+    growth: float = 0.0,
+    aspect: float = 1.0,
+    most: int = MOST,
+    progress: Callable | None = None,
+    cancelled: Callable | None = None,
+) -> FocusMap:
     """Enlarge a region of a map and keep the shape of the rest (section 5.1 of the paper).
 
     Parameters

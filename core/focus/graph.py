@@ -32,7 +32,7 @@ class Graph(NamedTuple):
     edges: np.ndarray
 
 
-def build_graph(rows, starts):
+def build_graph(rows: np.ndarray, starts: np.ndarray) -> Graph:
     """Merge equal points and equal segments.
 
     Parameters
@@ -67,7 +67,7 @@ def build_graph(rows, starts):
     return Graph(points.view(float).reshape(-1, 2), vertex, unique_pairs(pairs, len(points)))
 
 
-def unique_pairs(pairs, n):
+def unique_pairs(pairs: np.ndarray, n: int) -> np.ndarray:
     """Return each pair once, u < v, ascending; those of equal ends are left out.
 
     Parameters
@@ -81,7 +81,7 @@ def unique_pairs(pairs, n):
     return np.column_stack((key // n, key % n))
 
 
-def components(n, edges):
+def components(n: int, edges: np.ndarray) -> np.ndarray:
     """Return the (n,) number of the connected component of each vertex."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -90,7 +90,7 @@ def components(n, edges):
     return connected_components(matrix, directed=False)[1]
 
 
-def match(xy, points):
+def match(xy: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return the vertex at each point, -1 where there is none.
 
     Parameters
@@ -106,7 +106,7 @@ def match(xy, points):
     return np.where(near <= TOLERANCE * max(np.abs(xy).max(), 1e-300), vertex, -1)
 
 
-def joins(xy, edges, tau):
+def joins(xy: np.ndarray, edges: np.ndarray, tau: float) -> np.ndarray:
     """Return edges that join the components of a graph: an island moves with its neighbours.
 
     Of the edges of a Delaunay triangulation between two components the shortest counts, and each

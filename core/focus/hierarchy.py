@@ -8,7 +8,7 @@ Progressive embedding, 2019). So a coarse map without a fold gives a full one wi
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -44,7 +44,15 @@ class Coarse(NamedTuple):
     levels: list
 
 
-def coarsen(xy, triangles, edges, removable, rigid, most, check):
+def coarsen(
+    xy: np.ndarray,
+    triangles: np.ndarray,
+    edges: np.ndarray,
+    removable: np.ndarray,
+    rigid: np.ndarray,
+    most: int,
+    check: Callable,
+) -> Coarse:
     """Take out vertices of a triangulation, the smallest detail first.
 
     Parameters
@@ -204,7 +212,9 @@ def _cross(a, b, c):
         c[..., 0] - a[..., 0])
 
 
-def reinsert(coarse, xy, shift, known, check):
+def reinsert(
+    coarse: Coarse, xy: np.ndarray, shift: np.ndarray, known: np.ndarray, check: Callable
+) -> np.ndarray:
     """Put back what was taken out.
 
     Parameters

@@ -25,7 +25,9 @@ class Distortion(NamedTuple):
     high: float
 
 
-def angular_distortion(before, after, triangles):
+def angular_distortion(
+    before: np.ndarray, after: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return area, orientation and angular distortion of triangles.
 
     Parameters
@@ -63,7 +65,7 @@ def angular_distortion(before, after, triangles):
     return np.abs(area) / 2.0, kept, np.where(kept, np.where(ok, angle, 0.0), 180.0)
 
 
-def distortion(before, after, triangles):
+def distortion(before: np.ndarray, after: np.ndarray, triangles: np.ndarray) -> Distortion:
     """Return the `Distortion` of triangles, weighed by their area before."""
     if not len(triangles):
         return Distortion(0.0, 0.0, 0.0)

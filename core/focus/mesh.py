@@ -6,7 +6,7 @@ piecewise linear map is one to one: nothing crosses, nests or folds that did not
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 import shapely
@@ -42,7 +42,7 @@ class Noded(NamedTuple):
     splits: np.ndarray
 
 
-def node(xy, edges, check):
+def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
     """Split edges where a vertex lies on them, or where they cross.
 
     Parameters
@@ -165,7 +165,7 @@ def _splits(xy, given, edges, parent):
     return np.column_stack((given[owner], vertex))[order]
 
 
-def frame_triangles(xy, segments):
+def frame_triangles(xy: np.ndarray, segments: np.ndarray) -> np.ndarray:
     """Return a constrained Delaunay triangulation of the convex hull of points.
 
     Parameters
@@ -261,7 +261,7 @@ def _counter_clockwise(xy, triangles):
     return triangles
 
 
-def others(xy, triangles, edges):
+def others(xy: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Return triangles that stay upright only if all other Delaunay triangulations do.
 
     Of a square each diagonal is as good as the other, and a map of many squares, as made from a raster,
@@ -314,7 +314,7 @@ def others(xy, triangles, edges):
     return found[heights(xy, found) > FLAT]
 
 
-def turned(before, after, triangles, flat=FLAT):
+def turned(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, flat: float = FLAT) -> np.ndarray:
     """Return which triangles are not counter-clockwise after, exact; flat ones do not count.
 
     Parameters
@@ -332,7 +332,7 @@ def turned(before, after, triangles, flat=FLAT):
     return found
 
 
-def heights(xy, triangles):
+def heights(xy: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the least height of each triangle, negative if it is clockwise."""
     a, b, c = xy[triangles].transpose(1, 0, 2)
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])

@@ -8,6 +8,7 @@ and the proximity rule of Harrie and Sarjakoski (2002).
 from __future__ import annotations
 
 from functools import partial
+from typing import Callable
 
 import numpy as np
 
@@ -26,7 +27,14 @@ GAP, SECONDS = 0.001, 20.0  # of MinLength: relative, and for one polygon
 REACH = 0.02  # their largest length, as a share of the diagonal of the map's extent
 
 
-def min_size(coords, offsets, tau, check, natural=False, smallest=0.0):
+def min_size(
+    coords: np.ndarray,
+    offsets: np.ndarray,
+    tau: float,
+    check: Callable,
+    natural: bool = False,
+    smallest: float = 0.0,
+) -> np.ndarray:
     """Return the fewest diagonals that keep every detour within tau (Theorem 1).
 
     Parameters
@@ -54,7 +62,14 @@ def min_size(coords, offsets, tau, check, natural=False, smallest=0.0):
     return solution.edge_rows[solution.role == SELF]
 
 
-def min_length(coords, offsets, tau, check, natural=False, smallest=0.0):
+def min_length(
+    coords: np.ndarray,
+    offsets: np.ndarray,
+    tau: float,
+    check: Callable,
+    natural: bool = False,
+    smallest: float = 0.0,
+) -> np.ndarray:
     """Return diagonals of least total length that keep every detour within tau.
 
     Parameters, returns: see `min_size`.
@@ -70,7 +85,7 @@ def min_length(coords, offsets, tau, check, natural=False, smallest=0.0):
     return solution.edge_rows[solution.role == SELF]
 
 
-def greedy(coords, offsets, tau, check):
+def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable) -> np.ndarray:
     """Return the diagonals of van Dijk et al.: add that of largest dilation until none is above tau.
 
     Parameters, returns: see `min_size`.
@@ -126,7 +141,7 @@ def greedy(coords, offsets, tau, check):
     return _rows(polygon, edges[np.sort(np.concatenate(chosen))])
 
 
-def proximity(coords, offsets, reach, check):
+def proximity(coords: np.ndarray, offsets: np.ndarray, reach: float, check: Callable) -> np.ndarray:
     """Return the diagonals of Harrie and Sarjakoski: shorter than ``reach``, with no short way.
 
     Parameters
@@ -159,7 +174,9 @@ def proximity(coords, offsets, reach, check):
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 
 
-def select(rule, coords, offsets, tau, extent, check):
+def select(
+    rule: str | Callable, coords: np.ndarray, offsets: np.ndarray, tau: float, extent: float, check: Callable
+) -> np.ndarray:
     """Return the relevant edges of one polygon by one of the `RULES`.
 
     Parameters
@@ -224,7 +241,7 @@ def _asks(check):
     return cancelled
 
 
-def rule_of(name, natural=False, smallest=0.0):
+def rule_of(name: str, natural: bool = False, smallest: float = 0.0) -> str | Callable:
     """Return a rule for `select`: one of `RULES`, for MinSize and MinLength with what may be an edge.
 
     Parameters
