@@ -11,7 +11,7 @@ from . import _geometry, _kinds
 from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _problems, _reasons, _settings
 from ._kinds import Source
 from .core.aggregation import areas as core
-from .core.aggregation.coverage import faults, joined
+from .core.aggregation.coverage import faults, joined, with_shared_vertices
 from .core.aggregation.instance import Costs, Solution, costs
 from .core.aggregation.methods import METHODS, by_method
 from .core.aggregation.outcome import Outcome, lost_areas, outcome
@@ -88,6 +88,7 @@ def prepare_aggregation(
     smallest_part: Any = 0.0,
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
+    new_vertices: bool = False,
     crs: Any = None,
 ) -> Pieces:
     """Cut the areas of a map at their bottlenecks, before they are aggregated.
@@ -104,7 +105,7 @@ def prepare_aggregation(
     tau : float
         See `isthmus.partition`, for all areas.
     objective : {'MinSize', 'MinLength'}
-    places, smallest_part, min_length, min_hole, crs
+    places, smallest_part, min_length, min_hole, new_vertices, crs
         See `isthmus.partition`; places and smallest_part are those of the paper by default.
 
     Returns
@@ -128,25 +129,40 @@ def prepare_aggregation(
     _kinds.one_of(objective, "objective", OBJECTIVES[:2])
     _kinds.one_of(places, "places", PLACES)
     origin = _kinds.source(areas, crs, "areas")
-    settings = _settings(origin, objective, None, places, smallest_part, min_length, min_hole, None)
+    settings = _settings(
+        origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
+    )
     measure, metre = _kinds.measure_of(origin.crs), _kinds.metres_of(origin.crs)
-    area, geometry, status, rings, reasons = [], [], [], [], {}
+    area, geometry, status, rings, new, reasons = [], [], [], [], [], {}
     for problem, shapes in _problems(origin, settings):
         chunk = problem.chunk
         selection = select(problem.prepared, tau, weight=problem.weight, with_dilation=False)
         found = features.pieces(problem, finish(problem.prepared, selection).parts)
-        feature, made = _pieces(problem, found, shapes)
+        feature, own = _pieces(problem, found, shapes)
         why, total = _reasons(origin, problem), np.diff(found.feature_offsets)
         reasons.update(why)
         as_it_came = (total == 1) & _nothing(problem)
-        made[as_it_came[feature]] = origin.geometries[chunk.features[feature[as_it_came[feature]]]]
+        own[as_it_came[feature]] = origin.geometries[chunk.features[feature[as_it_came[feature]]]]
         area.append(chunk.features[feature])
-        geometry.append(made)
+        geometry.append(own)
         status.append(problem.verdict[found.polygon])
-        rings.append(Rings(chunk.rings.coords[found.rows, :2], found.offsets, found.ring_offsets))
+        rings.append(Rings(chunk.rings.coords[found.rows], found.offsets, found.ring_offsets))
+        new.append(found.rows >= len(chunk.rings.coords) - len(problem.prepared.new_rows))
     of = np.concatenate([np.empty(0, dtype=np.int64), *area])
-    all_rings = core.joined_rings(rings)
+    all_rings = core.joined_rings(_alike(rings))
+    verdicts = np.concatenate([np.empty(0, dtype=object), *status])
+    made = np.concatenate([np.empty(0, dtype=object), *geometry])
     arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
+    is_new = np.concatenate([np.empty(0, dtype=bool), *new])
+    if is_new.any():  # neighbours get these vertices, too
+        all_rings, grown = with_shared_vertices(
+            all_rings, is_new, arranged.coverage, core.rows_of(arranged, all_rings)
+        )
+        arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
+        extra = _geometry.extra_of(origin.geometries)[of]
+        rows = np.arange(len(all_rings.coords))
+        anew = _geometry.polygons(all_rings.coords, rows, all_rings.offsets, all_rings.polygon_offsets, extra)
+        made = np.where(grown | (verdicts == ""), anew, made)
     pairs, length = core.neighbours(arranged)
     empty = np.setdiff1d(np.arange(len(origin.geometries)), of)
     everything = np.append(of, empty)
@@ -155,11 +171,9 @@ def prepare_aggregation(
         "piece": np.append(np.arange(1.0, len(of) + 1.0), np.full(len(empty), np.nan))
         if len(empty) else np.arange(1, len(of) + 1),
         "size": np.append(arranged.size, np.zeros(len(empty))),
-        "status": np.concatenate(
-            [np.empty(0, dtype=object), *status, np.array([reasons[int(k)] for k in empty], dtype=object)]
-        ),
+        "status": np.append(verdicts, np.array([reasons[int(k)] for k in empty], dtype=object)),
     }
-    shapes = np.concatenate([np.empty(0, dtype=object), *geometry, origin.geometries[empty]])
+    shapes = np.append(made, origin.geometries[empty])
     _kinds.tell(origin, reasons, "were not cut, or not all of their parts")
     _tell_faults(origin, arranged, of)
     if class_ is not None:
@@ -170,6 +184,14 @@ def prepare_aggregation(
         "virtual": (of[pairs[:, 0]] == of[pairs[:, 1]]).astype(np.int64),
     }
     return Pieces(_kinds.result(origin, shapes, everything, fields), fields, neighbours)
+
+
+def _alike(chunks: list[Rings]) -> list[Rings]:
+    """Rings of chunks with as many ordinates in each; what one lacks is 0."""
+    width = max((own.coords.shape[1] for own in chunks), default=2)
+    return [
+        own._replace(coords=np.pad(own.coords, ((0, 0), (0, width - own.coords.shape[1])))) for own in chunks
+    ]
 
 
 def aggregate(

@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from . import _kinds
+from ._cutting import PLACES
 from ._kinds import Source
 from .core.errors import Unsolvable
 from .core.metric import FARTHEST
@@ -53,8 +54,10 @@ def enlarge(
     edges: Any = None,
     selection: str = "MinSize",
     tau: float = 2.0,
+    places: str = "Any",
+    smallest_part: float = 0.0,
     frame: bool = True,
-    growth: float = 50.0,
+    growth: float = 200.0,
     along: Iterable[Any] = (),
     crs: Any = None,
 ) -> FocusMap:
@@ -77,6 +80,8 @@ def enlarge(
         The rule for relevant edges, where none are given.
     tau : float
         For the rule, and for the edges that join islands; at least 1.
+    places, smallest_part
+        For MinSize and MinLength, see `isthmus.partition`; one number for all polygons.
     frame : bool
         Whether the map stays within its extent, but for its growth.
     growth : float
@@ -107,6 +112,8 @@ def enlarge(
     16.0
     """
     _kinds.one_of(selection, "selection", SELECTIONS)
+    _kinds.one_of(places, "places", PLACES)
+    _kinds.least(smallest_part, "smallest_part", 0.0, 100.0)
     _kinds.least(scale, "scale", 0.01, 100.0)
     _kinds.least(tau, "tau", 1.0)
     _kinds.least(growth, "growth", 0.0, 1000.0)
@@ -114,6 +121,7 @@ def enlarge(
     from .core.focus.enlarge import enlarge as solve
     from .core.focus.globe import on_the_globe
     from .core.focus.graph import match
+    from .core.focus.selection import rule_of
 
     origin = _kinds.source(map, crs, "map")
     runs = [_runs(one) for one in origin.geometries]
@@ -139,9 +147,10 @@ def enlarge(
     in_degrees = _kinds.measure_of(origin.crs).conformal is not None
     if in_degrees:
         share, aspect = on_the_globe(rows, share)
+    rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
     result = solve(
         rows, np.append(0, np.cumsum(counts)), polygons, _region(_of_crs(focus, origin, "focus")), scale,
-        edges=given, rule=selection, tau=tau, frame=frame, growth=share, aspect=aspect,
+        edges=given, rule=rule, tau=tau, frame=frame, growth=share, aspect=aspect,
     )
     if in_degrees and not (np.abs(result.rows) <= (180.0, 90.0)).all():
         raise Unsolvable("The map would grow beyond the globe. Keep its extent (frame).")

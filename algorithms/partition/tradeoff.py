@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsCoordinateReferenceSystem,
@@ -156,8 +157,6 @@ class TradeoffAlgorithm(PartitionTool):
 
     def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
         """Write the steps of each feature; return the curves for the report, and the numbers."""
-        import numpy as np
-
         from ...core.partition.features import curves as follow
         from ...core.partition.features import without_vertex
         from ...core.partition.solve import select

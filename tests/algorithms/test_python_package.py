@@ -100,6 +100,7 @@ CRS = {"as it is": "EPSG:3035", "in degrees": "EPSG:4326"}
 @pytest.mark.parametrize("ordinates, options", [
     ("", {}),
     ("Z", {"TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OBJECTIVE": "MinLength", "MAX_GAP": 1}),
+    ("Z", {"TAU": 2.5, "NEW_VERTICES": True}),
     ("", {"TAU": 2.5, "SMALLEST_PART": 0.2, "MIN_LENGTH": 0.01, "MIN_HOLE": 0.02}),
 ])  # fmt: skip
 def test_partition(tools, package, place, ordinates, options):
@@ -192,9 +193,12 @@ def test_hierarchy(tools, package, place, parts):
     geometries = polygons(place, "Z")
     theirs = tools("hierarchy", {
         "INPUT": layer_of(geometries, CRS[place], kind=KIND["Z"]), "PARTS": parts, "SMALLEST_PART": 0.1,
+        "NEW_VERTICES": parts is None,
         "OUTPUT": "memory:", "CUTS": "memory:",
     })  # fmt: skip
-    ours = package.hierarchy(geometries, parts=parts, smallest_part=0.1, crs=CRS[place])
+    ours = package.hierarchy(
+        geometries, parts=parts, smallest_part=0.1, new_vertices=parts is None, crs=CRS[place]
+    )
     assert len(ours.cuts) > 20
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
@@ -224,9 +228,12 @@ def test_aggregation(tools, package, crs):
         areas = shapely.transform(areas, lambda xy: xy / 60_000 + (8.0, 50.0))
     layer = layer_of(areas, crs, [("class:string", classes)])
     theirs = tools("prepareaggregation", {
-        "INPUT": layer, "CLASS": "class", "TAU": 2.5, "OUTPUT": "memory:", "ADJACENCY": "memory:"
+        "INPUT": layer, "CLASS": "class", "TAU": 2.5, "NEW_VERTICES": crs == "EPSG:3035", "OUTPUT": "memory:",
+        "ADJACENCY": "memory:",
     })  # fmt: skip
-    ours = package.prepare_aggregation(areas, class_=classes, tau=2.5, crs=crs)
+    ours = package.prepare_aggregation(
+        areas, class_=classes, tau=2.5, new_vertices=crs == "EPSG:3035", crs=crs
+    )
     assert len(ours.pieces) > len(areas)
     assert_same(theirs["OUTPUT"], ours.pieces, ours.piece_fields, ids=("area_id",))
     assert_same(theirs["ADJACENCY"], None, ours.neighbours, ids=())
@@ -256,6 +263,7 @@ def test_aggregation(tools, package, crs):
 
 @pytest.mark.parametrize("crs, options", [
     ("EPSG:3035", {"scale": 1.5}), ("EPSG:3035", {"frame": False, "selection": "Greedy", "tau": 3}),
+    ("EPSG:3035", {"scale": 1.5, "places": "Natural", "smallest_part": 1}),
     ("EPSG:4326", {"scale": 2, "growth": 20}),
 ])  # fmt: skip
 def test_enlarge(tools, package, crs, options):
