@@ -112,9 +112,9 @@ def test_a_cancelled_curve_leaves_no_table_and_no_report(run, source, tmp_path, 
 def test_a_curve_that_could_not_be_written_takes_its_report_with_it(run, layer, tmp_path):
     """The end of a GeoPackage is written last; only then the disk may turn out to be full."""
     nothing = layer("Polygon?crs=EPSG:3857", [])
-    given = {"INPUT": nothing, "OUTPUT": str(tmp_path / "steps.gpkg"), "REPORT": str(tmp_path / "report.html")}
+    given = {"INPUT": nothing, "OUTPUT": str(tmp_path / "steps.gpkg")}
     with full_disk(8192), pytest.raises(QgsProcessingException, match="could be written"):
-        run("isthmus:tradeoff", given)
+        run("isthmus:tradeoff", {**given, "REPORT": str(tmp_path / "report.html")})
     assert not [path for path in tmp_path.iterdir() if path.suffix == ".html"]
 
 

@@ -45,7 +45,8 @@ def test_a_wrong_number_is_refused(run, layer):
 
 
 @pytest.mark.parametrize("tool, name", [
-    ("partition", "SMALLEST_PART"), ("partition", "TAU"), ("aggregate", "WEIGHT_CHANGE"), ("focusmap", "SCALE"),
+    ("partition", "SMALLEST_PART"), ("partition", "TAU"), ("aggregate", "WEIGHT_CHANGE"),
+    ("focusmap", "SCALE"),
 ])  # fmt: skip
 def test_a_text_is_no_number(provider, tool, name):
     """QGIS takes any text for a number that is optional."""
