@@ -9,7 +9,6 @@ from qgis.core import (
     QgsExpression,
     QgsExpressionContext,
     QgsProcessing,
-    QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
