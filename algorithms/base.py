@@ -12,6 +12,7 @@ from qgis.core import (
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
+    QgsProcessingParameterNumber,
 )
 from qgis.PyQt.QtGui import QIcon
 
@@ -67,7 +68,10 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def checkParameterValues(self, parameters, context):
         # qgis_process and scripts never ask canExecute
         parameters = self.with_names(parameters)
-        problem = dependency_problem() or self.parameter_problem(parameters, context)
+        problem = (
+            dependency_problem() or self.text_problem(parameters)
+            or self.parameter_problem(parameters, context)
+        )  # fmt: skip
         if problem:
             return False, problem
         return super().checkParameterValues(parameters, context)
@@ -85,6 +89,20 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
 
     def parameter_problem(self, parameters, context):
         """Return a sentence about a parameter that cannot be used, or ''."""
+        return ""
+
+    def text_problem(self, parameters):
+        """Return a sentence about a text where a number is wanted, or ''.
+
+        QGIS takes any text for an optional number, and 0 for its value.
+        """
+        for definition in self.parameterDefinitions():
+            value = parameters.get(definition.name())
+            if isinstance(definition, QgsProcessingParameterNumber) and isinstance(value, str) and value:
+                try:
+                    float(value)
+                except ValueError:
+                    return f"{definition.name()} must be a number, and is {value!r}."
         return ""
 
     def number_problem(self, parameters, context, name, least):

@@ -136,8 +136,9 @@ class Panel(QgsDockWidget):
 
     def _enable(self):
         ready = self.preview is not None
-        for widget in (self.slider, self.write_button, self.copy_button, self.by_tau, self.by_parts):
+        for widget in (self.slider, self.copy_button, self.by_tau, self.by_parts):
             widget.setEnabled(ready)
+        self.write_button.setEnabled(ready and self.writing is None)
         busy = self.task is not None
         self.find_button.setText(tr("Cancel") if busy else tr("Find the cuts"))
         self.find_button.setEnabled(busy or self.layer_box.currentLayer() is not None)
@@ -280,7 +281,7 @@ class Panel(QgsDockWidget):
         task = QgsProcessingAlgRunnerTask(algorithm, parameters, context, feedback)
         self.writing = task, algorithm, context, feedback  # for as long as it runs
         task.executed.connect(self.written)
-        self.write_button.setEnabled(False)
+        self._enable()
         QgsApplication.taskManager().addTask(task)
         return task
 

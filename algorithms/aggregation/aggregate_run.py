@@ -1,7 +1,6 @@
 """What ``isthmus:aggregate`` runs."""
 
 import contextlib
-from pathlib import Path
 
 import numpy as np
 from qgis.core import (
@@ -45,9 +44,9 @@ def aggregate(tool, parameters, context, feedback):
         return {}
     with Sinks(tool, parameters, context, feedback) as sinks:
         results = run.write(found, sinks)
+        run.report(found, results, sinks)
     results.update(sinks.destinations)
     style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml")
-    run.report(found, results)
     cost = costs(run.problem, found)
     size = float(np.sum(run.areas.size))
     results.update({
@@ -301,7 +300,7 @@ class _Run:
             written += 1
         return written
 
-    def report(self, found, results):
+    def report(self, found, results, sinks):
         """Tell which areas lost their class, and write the report if one is wanted."""
         tool = self.tool
         made = balance(self.problem, found, self.sources, self.classes)
@@ -314,7 +313,7 @@ class _Run:
                 f"{': ' * bool(some)}{some}."
             )
         path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
-        if not path:
+        if not path or self.feedback.isCanceled():
             return
         weights = [f"{weight:g}" for weight in self.weights()]
         intro = [
@@ -322,14 +321,7 @@ class _Run:
             f"by {self.choice(tool.METHOD)}.",
             f"Weights: class change {weights[0]}, boundary {weights[1]}, centre distance {weights[2]}.",
         ]
-        try:
-            Path(path).write_text(
-                report.page(f"Aggregation of {self.source.sourceName()}", intro, made), encoding="utf-8"
-            )
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                Path(path).unlink()
-            raise QgsProcessingException(f"The report could not be written: {error}") from error
+        sinks.write_text(path, report.page(f"Aggregation of {self.source.sourceName()}", intro, made))
         results[tool.REPORT] = path
 
     def _sources(self):

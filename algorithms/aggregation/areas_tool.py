@@ -7,6 +7,8 @@ from qgis.core import (
     QgsProcessingParameterField,
 )
 
+from ..words import tr
+
 __all__ = ["AreasTool", "field_index"]
 
 
@@ -16,7 +18,7 @@ class AreasTool:
     CLASS = "CLASS"
 
     def group(self):
-        return "Area aggregation"
+        return tr("Area aggregation")
 
     def groupId(self):
         return "aggregation"

@@ -138,7 +138,7 @@ class Sinks:
         if problem:
             raise QgsProcessingException(problem)
         self.destinations, self.fields = {}, {}
-        self._sinks, self._written = {}, {}
+        self._sinks, self._written, self._texts = {}, {}, []
 
     def open(self, name, fields, wkb_type, crs, needed=True):
         """Open a sink; return whether it is wanted.
@@ -171,6 +171,15 @@ class Sinks:
                 f"value too long or unknown to the format?): {sink.lastError()}"
             )
         self._written[name] += 1
+
+    def write_text(self, path, text):
+        """Write a report, which is removed with the layers if anything fails."""
+        try:
+            with open(path, "w", encoding="utf-8") as stream:
+                self._texts.append(path)
+                stream.write(text)
+        except OSError as error:
+            raise QgsProcessingException(f"The report could not be written: {error}") from error
 
     def __enter__(self):
         return self
@@ -214,6 +223,10 @@ class Sinks:
             if _path(destination) is not None and not _appends(self.parameters.get(name)):
                 _remove(destination)
                 del self.destinations[name]
+                found = True
+        for path in self._texts:
+            with contextlib.suppress(OSError):
+                os.unlink(path)
                 found = True
         return found
 

@@ -1,8 +1,6 @@
 """The tool ``isthmus:tradeoff``."""
 
-import contextlib
 import math
-from pathlib import Path
 
 import numpy as np
 from qgis.core import (
@@ -11,7 +9,6 @@ from qgis.core import (
     QgsExpression,
     QgsExpressionContext,
     QgsProcessing,
-    QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
@@ -151,7 +148,7 @@ class TradeoffAlgorithm(PartitionTool):
             if settings.lines:
                 settings.lines.report(feedback)
             if path and not feedback.isCanceled():
-                self._write_report(path, source.sourceName(), objective, curves)
+                sinks.write_text(path, _report(source.sourceName(), objective, curves))
         results = {**sinks.destinations, **numbers}
         if path and not feedback.isCanceled():
             results[self.REPORT] = path
@@ -232,21 +229,16 @@ class TradeoffAlgorithm(PartitionTool):
 
         return name_of
 
-    def _write_report(self, path, name, objective, curves):
-        intro = [
-            f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
-            f"detours within it ({objective}).",
-            "A long flat stretch means that nothing more is to be gained for a while: good values "
-            "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
-            "fall of the detour (on a logarithmic scale) for what they cost more.",
-        ]
-        if objective != BY_SIZE:
-            intro.append("Lengths are in the units of the layer, or metres for degrees.")
-        try:
-            Path(path).write_text(
-                report.page(f"Detour trade-off of {name}", intro, curves), encoding="utf-8"
-            )
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                Path(path).unlink()
-            raise QgsProcessingException(f"The report could not be written: {error}") from error
+
+def _report(name, objective, curves):
+    """The page with the curves."""
+    intro = [
+        f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
+        f"detours within it ({objective}).",
+        "A long flat stretch means that nothing more is to be gained for a while: good values "
+        "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
+        "fall of the detour (on a logarithmic scale) for what they cost more.",
+    ]
+    if objective != BY_SIZE:
+        intro.append("Lengths are in the units of the layer, or metres for degrees.")
+    return report.page(f"Detour trade-off of {name}", intro, curves)

@@ -213,7 +213,7 @@ def posed(
     change, boundary, centre = weights
     problem = build(
         areas.size, cls, areas.place, pairs[~alone], length[~alone], padded, np.append(theta, np.inf),
-        change, boundary, centre, between_classes, areas.spread,
+        change, boundary, centre, between_classes, np.where(stay, 0.0, areas.spread),
     )
     size, place = problem.size.sum(), problem.place
     with np.errstate(over="ignore"):

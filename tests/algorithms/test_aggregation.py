@@ -445,6 +445,12 @@ def test_bad_areas_are_kept_and_reported(qgis_app):
     assert "Area 4 is left as it is: it has no class" in text
 
 
+def test_an_area_that_is_left_costs_nothing(qgis_app):
+    alone, _, _ = aggregate(strip("a"), WEIGHT_CENTRE=1.0)
+    beside, _, _ = aggregate(strip(["a", NULL]), WEIGHT_CENTRE=1.0)
+    assert beside["CENTRE_COST"] == pytest.approx(alone["CENTRE_COST"]) and alone["CENTRE_COST"] > 0
+
+
 def test_an_island_is_reported(qgis_app):
     layer = areas([(box(0, 0), "a"), (box(10, 0), "b"), (box(100, 0, 5, 5), "b")])
     results, layers, said = aggregate(layer, THRESHOLD=150)

@@ -109,6 +109,22 @@ def test_a_cancelled_curve_leaves_no_table_and_no_report(run, source, tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
+def test_a_curve_that_could_not_be_written_takes_its_report_with_it(run, layer, tmp_path):
+    """The end of a GeoPackage is written last; only then the disk may turn out to be full."""
+    nothing = layer("Polygon?crs=EPSG:3857", [])
+    given = {"INPUT": nothing, "OUTPUT": str(tmp_path / "steps.gpkg")}
+    with full_disk(8192), pytest.raises(QgsProcessingException, match="could be written"):
+        run("isthmus:tradeoff", {**given, "REPORT": str(tmp_path / "report.html")})
+    assert not [path for path in tmp_path.iterdir() if path.suffix == ".html"]
+
+
+def test_a_report_that_cannot_be_written_takes_the_table_with_it(run, few, tmp_path):
+    given = {"INPUT": few, "OUTPUT": str(tmp_path / "steps.csv")}
+    with pytest.raises(QgsProcessingException, match="The report could not be written: .*nowhere"):
+        run("isthmus:tradeoff", {**given, "REPORT": str(tmp_path / "nowhere" / "report.html")})
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_second_result_that_cannot_be_made_takes_the_first_with_it(run, source, tmp_path):
     with pytest.raises(QgsProcessingException, match="nowhere"):
         partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"), CUTS="/proc/nowhere/cuts.gpkg")

@@ -44,6 +44,18 @@ def test_a_wrong_number_is_refused(run, layer):
         run("isthmus:partition", {"INPUT": source, "OUTPUT": "memory:", "PLACES": 2})
 
 
+@pytest.mark.parametrize("tool, name", [
+    ("partition", "SMALLEST_PART"), ("partition", "TAU"), ("aggregate", "WEIGHT_CHANGE"),
+    ("focusmap", "SCALE"),
+])  # fmt: skip
+def test_a_text_is_no_number(provider, tool, name):
+    """QGIS takes any text for a number that is optional."""
+    tool, context = provider.algorithm(tool), QgsProcessingContext()
+    assert tool.checkParameterValues({name: "x"}, context) == (False, f"{name} must be a number, and is 'x'.")
+    for number in ("2.5", " 2 ", "1e1", 3, None, ""):
+        assert "must be a number, and" not in tool.checkParameterValues({name: number}, context)[1]
+
+
 def test_help_opens_the_page_of_the_tool(provider):
     for tool in provider.algorithms():
         url = QUrl(tool.helpUrl())
@@ -83,6 +95,8 @@ def test_german(tool, tmp_path, monkeypatch, qgis_app, provider):
         (tau,) = [p for p in german.parameterDefinitions() if p.name() == "TAU"]
         assert tau.description() == "Größter Umweg (tau)" and tau.defaultValue() == 3
         assert [p.name() for p in german.parameterDefinitions()] == [p.name() for p in english.parameterDefinitions()]
+        groups = {one.create().group() for one in provider.algorithms()}
+        assert groups == {"Zerlegung", "Flächenaggregation", "Deformation"}
         for parameter in german.parameterDefinitions():  # the form is that wide
             assert len(parameter.description()) <= 52, parameter.description()
     finally:

@@ -435,7 +435,8 @@ def new_ends(case, polygons, lines):
 def with_points(polygons, points):
     """Polygons with points inserted into the nearest edge, which must be theirs but for rounding.
 
-    None where two edges are as near, those of polygons side by side: nobody can tell whose it is.
+    None where two edges are as near, of polygons side by side or of a neck that is as narrow as the rounding:
+    nobody can tell whose it is.
     """
     if not points:
         return polygons
@@ -451,8 +452,7 @@ def with_points(polygons, points):
                 share = np.divide((way * to).sum(axis=1), length, out=np.full(len(a), -1.0), where=length > 0.0)
                 off = np.hypot(*(to - share[:, None] * way).T)
                 off[(share <= 0.0) | (share >= 1.0)] = np.inf
-                k = int(off.argmin())
-                found.append((off[k], i, j, k, share[k]))
+                found += [(off[k], i, j, k, share[k]) for k in np.argsort(off)[:2].tolist()]
         found.sort()
         off, i, j, k, share = found[0]
         size = max(np.abs(np.ldexp(ring[:, :2], power)).max() for ring in polygons[i])

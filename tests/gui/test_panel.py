@@ -132,6 +132,8 @@ def test_from_layer_to_written_layers(panel, iface, wait):
     panel.set_tau(2.0)
     wanted = panel.shown.cuts
     panel.write()
+    panel.found(None, None)  # a search that ends meanwhile
+    assert not panel.write_button.isEnabled()
     wait(lambda: panel.writing is None)
     (cuts,) = QgsProject.instance().mapLayersByName("Cuts")
     (parts,) = QgsProject.instance().mapLayersByName("Parts")
