@@ -84,8 +84,8 @@
    <translation>&lt;p&gt;Fasst die Flächen einer Karte der Bodenbedeckung für einen kleineren Maßstab zusammen: Jede Fläche kommt zu einer Region, und jede Region hängt zusammen, ist mindestens so groß, wie es ihre Klasse verlangt, und hat die Klasse wenigstens einer ihrer Flächen. Unter allen Möglichkeiten dafür sucht das Werkzeug eine mit den geringsten Kosten.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;All lines outside the region keep their direction and shape, and their scale changes smoothly. What holds a country together are not its outlines alone: east and west coast must know of each other. So the tool adds &lt;i&gt;relevant edges&lt;/i&gt;, diagonals between points that are close to each other though the way along the outline is long, and keeps these as well. By default it finds the smallest set of them by itself, the cuts of the tool &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt;. All features are solved together: islands move with their mainland, and points that lines or polygons share stay together. The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle. Large maps are solved on a coarse triangulation of about 3,000 points and the outline of the region, and the detail is put back point by point.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Alle Linien außerhalb der Region behalten Richtung und Form, und ihr Maßstab ändert sich stetig. Ein Land wird nicht nur von seinen Umrissen zusammengehalten: Ost- und Westküste müssen voneinander wissen. Deshalb fügt das Werkzeug &lt;i&gt;relevante Kanten&lt;/i&gt; hinzu, Diagonalen zwischen Punkten, die nah beieinander liegen, obwohl der Weg am Umriss entlang weit ist, und erhält auch diese. Ohne weitere Angabe findet es selbst die kleinste Menge davon: die Schnitte des Werkzeugs &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt;. Alle Objekte werden gemeinsam gelöst: Inseln bewegen sich mit ihrem Festland, und Punkte, die Linien oder Polygone gemeinsam haben, bleiben zusammen. Der ganze Kartenrahmen, Land und Meer, wird trianguliert, und die Abbildung ist in jedem Dreieck linear. Große Karten werden auf einer groben Triangulation von etwa 3.000 Punkten und dem Umriss der Region gelöst; die Einzelheiten werden dann Punkt für Punkt wieder eingesetzt.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;All lines outside the region keep their direction and shape, and their scale changes smoothly. What holds a country together are not its outlines alone: east and west coast must know of each other. So the tool adds &lt;i&gt;relevant edges&lt;/i&gt;, diagonals between points that are close to each other though the way along the outline is long, and keeps these as well. By default it finds the smallest set of them by itself, the cuts of the tool &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt;. All features are solved together: islands move with their mainland, and points that lines or polygons share stay together. The whole frame of the map, land and sea, is triangulated, and the map is linear on each triangle; land is stiffer than sea. Large maps are solved on a coarse triangulation of about 3,000 points and the outline of the region, and the detail is put back point by point.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Alle Linien außerhalb der Region behalten Richtung und Form, und ihr Maßstab ändert sich stetig. Ein Land wird nicht nur von seinen Umrissen zusammengehalten: Ost- und Westküste müssen voneinander wissen. Deshalb fügt das Werkzeug &lt;i&gt;relevante Kanten&lt;/i&gt; hinzu, Diagonalen zwischen Punkten, die nah beieinander liegen, obwohl der Weg am Umriss entlang weit ist, und erhält auch diese. Ohne weitere Angabe findet es selbst die kleinste Menge davon: die Schnitte des Werkzeugs &lt;i&gt;Polygone an Engstellen zerlegen&lt;/i&gt;. Alle Objekte werden gemeinsam gelöst: Inseln bewegen sich mit ihrem Festland, und Punkte, die Linien oder Polygone gemeinsam haben, bleiben zusammen. Der ganze Kartenrahmen, Land und Meer, wird trianguliert, und die Abbildung ist in jedem Dreieck linear; Land ist dabei steifer als Meer. Große Karten werden auf einer groben Triangulation von etwa 3.000 Punkten und dem Umriss der Region gelöst; die Einzelheiten werden dann Punkt für Punkt wieder eingesetzt.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Areas on an island that is too small for any of their classes, and areas without a class, stay as they are, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
@@ -224,8 +224,8 @@
    <translation>&lt;p&gt;Drei Sätze von Gewichten haben Namen: &lt;i&gt;balanced&lt;/i&gt; (ausgewogen); &lt;i&gt;keep classes&lt;/i&gt; (Klassen erhalten), mit einem Viertel von dessen Gewichten für Grenze und Zentrum; &lt;i&gt;compact&lt;/i&gt; (kompakt), mit dem Doppelten für die Grenze und dem Vierfachen für das Zentrum. Ein Gewicht, das Sie angeben, geht vor. Sie passen für 40 Hektar (1:250.000); für eine andere Mindestgröße multiplizieren Sie das der Grenzlänge mit der Wurzel aus dem Verhältnis und teilen das der Entfernung vom Zentrum durch sie.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;What the region gains, the rest has to give, or the map becomes larger: by &lt;i&gt;Growth of the map&lt;/i&gt; at most, and by no more than it needs. With no growth at all the extent is kept, and what lies between the region and the edge gets thin.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;What the region gains, the rest has to give, or the map becomes larger: by &lt;i&gt;Growth of the map&lt;/i&gt; at most, and by no more than it needs so that what is around the region bends as little for a small region as for a large one, at any scale. With no growth at all the extent is kept, and what lies between the region and the edge gets thin.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nur so weit, dass sich die Umgebung einer kleinen Region ebenso wenig verbiegt wie die einer großen, bei jedem Maßstab. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved, none is added unless you ask for it, and the parts fit together exactly.&lt;/p&gt;</source>
@@ -306,10 +306,6 @@
   <message>
    <source>Any</source>
    <translation>Überall (Any)</translation>
-  </message>
-  <message>
-   <source>Area aggregation</source>
-   <translation>Flächenaggregation</translation>
   </message>
   <message>
    <source>Area upside down (%)</source>
@@ -532,8 +528,8 @@
    <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
-   <source>How much wider and higher the frame may become, to both sides. It grows by 1.4 times what the region gains, if that is less. 0 keeps the extent. Not used where the frame is switched off.</source>
-   <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst um das 1,4-Fache dessen, was die Region gewinnt, wenn das weniger ist. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
+   <source>How much wider and higher the frame may become, to both sides. It grows by less where less is enough: a region that takes the share f of the width lets the map grow to scale times f to the power 2/7. 0 keeps the extent. Not used where the frame is switched off.</source>
+   <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst weniger, wo weniger genügt: Nimmt die Region den Anteil f der Breite ein, so wächst die Karte auf Maßstab mal f hoch 2/7. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
   </message>
   <message>
    <source>Ignore cuts below (layer units; metres if degrees)</source>
