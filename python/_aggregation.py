@@ -11,7 +11,7 @@ from . import _geometry, _kinds
 from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _problems, _reasons, _settings
 from ._kinds import Source
 from .core.aggregation import areas as core
-from .core.aggregation.coverage import faults, joined
+from .core.aggregation.coverage import faults, joined, with_shared_vertices
 from .core.aggregation.instance import Costs, Solution, costs
 from .core.aggregation.methods import METHODS, by_method
 from .core.aggregation.outcome import Outcome, lost_areas, outcome
@@ -21,7 +21,7 @@ from .core.aggregation.tables import text
 from .core.aggregation.tables import thresholds as class_thresholds
 from .core.partition import features
 from .core.partition.solve import finish, select
-from .core.rings import Rings
+from .core.rings import Rings, groups, take
 
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -88,12 +88,13 @@ def prepare_aggregation(
     smallest_part: Any = 0.0,
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
+    new_vertices: bool = False,
     crs: Any = None,
 ) -> Pieces:
     """Cut the areas of a map at their bottlenecks, before they are aggregated.
 
-    The tool ``isthmus:prepareaggregation``. No vertex is moved or added, so what neighbours share they still
-    share.
+    The tool ``isthmus:prepareaggregation``. No vertex is moved, and none added unless you allow it
+    (``new_vertices``), so what neighbours share they still share.
 
     Parameters
     ----------
@@ -104,8 +105,9 @@ def prepare_aggregation(
     tau : float
         See `isthmus.partition`, for all areas.
     objective : {'MinSize', 'MinLength'}
-    places, smallest_part, min_length, min_hole, crs
-        See `isthmus.partition`; places and smallest_part are those of the paper by default.
+    places, smallest_part, min_length, min_hole, new_vertices, crs
+        See `isthmus.partition`; places and smallest_part are those of the paper by default, and neighbours
+        get the same new vertices.
 
     Returns
     -------
@@ -128,9 +130,12 @@ def prepare_aggregation(
     _kinds.one_of(objective, "objective", OBJECTIVES[:2])
     _kinds.one_of(places, "places", PLACES)
     origin = _kinds.source(areas, crs, "areas")
-    settings = _settings(origin, objective, None, places, smallest_part, min_length, min_hole, None)
+    settings = _settings(
+        origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
+    )
     measure, metre = _kinds.measure_of(origin.crs), _kinds.metres_of(origin.crs)
-    area, geometry, status, rings, reasons = [], [], [], [], {}
+    area, geometry, status, rings, is_new, extra, reasons = [], [], [], [], [], [], {}
+    wide = slice(None) if new_vertices else slice(2)  # Z and M of new vertices are interpolated
     for problem, shapes in _problems(origin, settings):
         chunk = problem.chunk
         selection = select(problem.prepared, tau, weight=problem.weight, with_dilation=False)
@@ -143,10 +148,28 @@ def prepare_aggregation(
         area.append(chunk.features[feature])
         geometry.append(made)
         status.append(problem.verdict[found.polygon])
-        rings.append(Rings(chunk.rings.coords[found.rows, :2], found.offsets, found.ring_offsets))
+        rings.append(Rings(chunk.rings.coords[found.rows, wide], found.offsets, found.ring_offsets))
+        is_new.append(found.rows >= chunk.rings.offsets[-1])
+        extra.append(chunk.extra[feature])
     of = np.concatenate([np.empty(0, dtype=np.int64), *area])
-    all_rings = core.joined_rings(rings)
+    shapes = np.concatenate([np.empty(0, dtype=object), *geometry])
+    all_rings = core.joined_rings(_of_one_width(rings))
     arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
+    new = np.concatenate([np.empty(0, dtype=bool), *is_new])
+    if new.any():
+        cut_rings = all_rings
+        all_rings, grown = with_shared_vertices(
+            cut_rings, new, arranged.coverage, core.rows_of(arranged, cut_rings)
+        )
+        arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
+        # beside what a neighbour gives, a new vertex may have moved to one of a neighbour
+        ring = groups(cut_rings.offsets)[new]
+        grown[groups(cut_rings.polygon_offsets)[ring]] = True
+        ring, ring_offsets = take(all_rings.polygon_offsets, np.flatnonzero(grown))
+        row, offsets = take(all_rings.offsets, ring)
+        shapes[grown] = _geometry.polygons(
+            all_rings.coords, row, offsets, ring_offsets, np.concatenate(extra)[grown]
+        )
     pairs, length = core.neighbours(arranged)
     empty = np.setdiff1d(np.arange(len(origin.geometries)), of)
     everything = np.append(of, empty)
@@ -159,7 +182,7 @@ def prepare_aggregation(
             [np.empty(0, dtype=object), *status, np.array([reasons[int(k)] for k in empty], dtype=object)]
         ),
     }
-    shapes = np.concatenate([np.empty(0, dtype=object), *geometry, origin.geometries[empty]])
+    shapes = np.append(shapes, origin.geometries[empty])
     _kinds.tell(origin, reasons, "were not cut, or not all of their parts")
     _tell_faults(origin, arranged, of)
     if class_ is not None:
@@ -170,6 +193,14 @@ def prepare_aggregation(
         "virtual": (of[pairs[:, 0]] == of[pairs[:, 1]]).astype(np.int64),
     }
     return Pieces(_kinds.result(origin, shapes, everything, fields), fields, neighbours)
+
+
+def _of_one_width(rings: list[Rings]) -> list[Rings]:
+    """Rings with as many ordinates everywhere; those added at the end are none of a geometry's own."""
+    width = max((own.coords.shape[1] for own in rings), default=2)
+    return [
+        own._replace(coords=np.pad(own.coords, ((0, 0), (0, width - own.coords.shape[1])))) for own in rings
+    ]
 
 
 def aggregate(

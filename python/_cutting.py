@@ -80,6 +80,7 @@ def partition(
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
     candidates: Any = None,
+    new_vertices: bool = False,
     max_gap: float = 0.1,
     diagonals: bool = False,
     crs: Any = None,
@@ -87,7 +88,8 @@ def partition(
     """Cut polygons at their isthmuses, straits and necks into natural parts.
 
     The tool ``isthmus:partition``: the fewest cuts (or the shortest, or the cheapest) that leave no place
-    with a detour above tau. Cuts join vertices; none is moved or added.
+    with a detour above tau. Cuts join vertices; none is moved, and none added unless you allow it
+    (``new_vertices``).
 
     Parameters
     ----------
@@ -113,6 +115,10 @@ def partition(
     candidates : lines, optional
         Straight lines between two vertices to choose the cuts from, instead of a triangulation's diagonals:
         a geometry, a sequence, a GeoSeries or a GeoDataFrame.
+    new_vertices : bool
+        Whether a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite,
+        where blocks and floor plans have no vertex. Only those that a cut uses are added, with Z and M
+        interpolated; neighbours do not get them. No effect with ``candidates``.
     max_gap : float
         For MinLength and MinWeight: largest gap to the proven lower bound, in per cent.
     diagonals : bool
@@ -157,7 +163,7 @@ def partition(
     origin = _kinds.source(polygons, crs)
     bound = _kinds.numbers(origin, tau, "tau")
     settings = _settings(
-        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates
+        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices
     )
 
     def choose(problem: Problem) -> tuple[Any, dict[int, str]]:
@@ -180,6 +186,7 @@ def partition_within(
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
     candidates: Any = None,
+    new_vertices: bool = False,
     diagonals: bool = False,
     crs: Any = None,
 ) -> Parts:
@@ -193,7 +200,7 @@ def partition_within(
     polygons : shapely geometry, sequence of these, GeoSeries or GeoDataFrame
     budget : float, sequence of float or str
         The largest number of cuts of a feature (MinSize), their length (MinLength) or weight (MinWeight).
-    objective, weight, places, smallest_part, min_length, min_hole, candidates, diagonals, crs
+    objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices, diagonals, crs
         See `partition`.
 
     Returns
@@ -222,7 +229,7 @@ def partition_within(
     origin = _kinds.source(polygons, crs)
     most = _kinds.numbers(origin, budget, "budget")
     settings = _settings(
-        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates
+        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices
     )
 
     def choose(problem: Problem) -> tuple[Any, dict[int, str]]:
@@ -248,6 +255,7 @@ def tradeoff(
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
     candidates: Any = None,
+    new_vertices: bool = False,
     crs: Any = None,
 ) -> Any:
     """Return what every value of tau costs.
@@ -262,7 +270,7 @@ def tradeoff(
         holes.
     steps : int
         The most steps of a feature.
-    objective, weight, places, smallest_part, min_length, min_hole, candidates, crs
+    objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices, crs
         See `partition`.
 
     Returns
@@ -291,7 +299,7 @@ def tradeoff(
         raise ValueError(f"steps must be at least 1, and is {steps}.")
     origin = _kinds.source(polygons, crs)
     settings = _settings(
-        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates
+        origin, objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices
     )
     feature, rows, reasons = [], [], {}
     for problem, _ in _problems(origin, settings):
@@ -320,6 +328,7 @@ def hierarchy(
     smallest_part: Any = 1.0,
     min_length: Any = 0.0,
     min_hole: Any = 0.0,
+    new_vertices: bool = False,
     crs: Any = None,
 ) -> Parts:
     """Cut polygons once for every tau, and for every number of parts.
@@ -333,7 +342,7 @@ def hierarchy(
         Smallest tau, where the finest level begins.
     parts : int, sequence of int or str, optional
         Only the level in which a feature has so many parts, or the next best.
-    places, smallest_part, min_length, min_hole, crs
+    places, smallest_part, min_length, min_hole, new_vertices, crs
         See `partition`.
 
     Returns
@@ -362,7 +371,9 @@ def hierarchy(
     origin = _kinds.source(polygons, crs)
     begin = _kinds.numbers(origin, tau, "tau")
     count = None if parts is None else _kinds.numbers(origin, parts, "parts")
-    settings = _settings(origin, "MinSize", None, places, smallest_part, min_length, min_hole, None)
+    settings = _settings(
+        origin, "MinSize", None, places, smallest_part, min_length, min_hole, None, new_vertices
+    )
     out = _Out(origin)
     for problem, shapes in _problems(origin, settings):
         chunk = problem.chunk
@@ -417,6 +428,7 @@ class _Settings(NamedTuple):
     floors: dict[str, np.ndarray]
     lines: GivenLines | None
     bent: list
+    new_vertices: bool
     weigh: Callable | None
 
     def tell_lines(self) -> None:
@@ -433,7 +445,7 @@ class _Settings(NamedTuple):
 
 def _settings(
     origin: Source, objective: str, weight: Callable | None, places: str, smallest_part: Any,
-    min_length: Any, min_hole: Any, candidates: Any,
+    min_length: Any, min_hole: Any, candidates: Any, new_vertices: bool,
 ) -> _Settings:
     _kinds.one_of(objective, "objective", OBJECTIVES)
     _kinds.one_of(places, "places", PLACES)
@@ -454,7 +466,7 @@ def _settings(
             ("smallest_part", smallest_part), ("min_length", min_length), ("min_hole", min_hole)
         )
     }
-    return _Settings(places == "Natural", floors, lines, bent, weigh)
+    return _Settings(places == "Natural", floors, lines, bent, bool(new_vertices), weigh)
 
 
 def _given(origin: Source, candidates: Any) -> tuple[GivenLines, list]:
@@ -512,7 +524,8 @@ def _problems(origin: Source, settings: _Settings) -> Iterator[tuple[Problem, np
             strange.update(dict.fromkeys(np.asarray(chunk.features).tolist(), "a latitude beyond 90 degrees"))
         floors = {name: values[chunk.features] for name, values in settings.floors.items()}
         yield features.prepare(
-            chunk, natural=settings.natural, lines=settings.lines, weigh=settings.weigh, **floors
+            chunk, natural=settings.natural, lines=settings.lines, new_vertices=settings.new_vertices,
+            weigh=settings.weigh, **floors,
         ), shapes
     _kinds.tell(origin, strange, "are measured in the plane (is the CRS right?)")
 

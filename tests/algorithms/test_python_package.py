@@ -92,6 +92,12 @@ def assert_same(layer, geometries, fields, ids=("source",), names=None):
             assert plain(feature.geometry()) == plain(one)
 
 
+def new_points(parts, geometries):
+    """How many places with a vertex of a part had none before."""
+    after, before = (set(map(tuple, shapely.get_coordinates(one).tolist())) for one in (parts, geometries))
+    return len(after - before)
+
+
 KIND = {"": "MultiPolygon", "Z": "MultiPolygonZ"}
 CRS = {"as it is": "EPSG:3035", "in degrees": "EPSG:4326"}
 
@@ -101,6 +107,7 @@ CRS = {"as it is": "EPSG:3035", "in degrees": "EPSG:4326"}
     ("", {}),
     ("Z", {"TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OBJECTIVE": "MinLength", "MAX_GAP": 1}),
     ("", {"TAU": 2.5, "SMALLEST_PART": 0.2, "MIN_LENGTH": 0.01, "MIN_HOLE": 0.02}),
+    ("Z", {"TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "NEW_VERTICES": True}),
 ])  # fmt: skip
 def test_partition(tools, package, place, ordinates, options):
     geometries = polygons(place, ordinates)
@@ -111,6 +118,7 @@ def test_partition(tools, package, place, ordinates, options):
     own = {name.lower(): value for name, value in options.items()}
     ours = package.partition(geometries, diagonals=True, crs=CRS[place], **own)
     assert len(ours.cuts) > 30 and (ours.part_fields["status"] != "").sum() > 5
+    assert (new_points(ours.parts, geometries) > 10) == ("NEW_VERTICES" in options)
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
     assert_same(theirs["DIAGONALS"], ours.diagonals, ours.diagonal_fields)
@@ -161,41 +169,45 @@ def test_partition_by_given_lines(tools, package, feedback):
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
 
 
-@pytest.mark.parametrize("place", CRS)
-def test_partition_within(tools, package, place):
+@pytest.mark.parametrize("place, new", [("as it is", False), ("in degrees", True)])
+def test_partition_within(tools, package, place, new):
     geometries = polygons(place, "")
     budget = [k % 4 for k in range(len(geometries))]
     layer = layer_of(geometries, CRS[place], [("b:integer", budget)])
     theirs = tools("partitionbudget", {
-        "INPUT": layer, "BUDGET": QgsProperty.fromField("b"), "OUTPUT": "memory:", "CUTS": "memory:"
+        "INPUT": layer, "BUDGET": QgsProperty.fromField("b"), "NEW_VERTICES": new, "OUTPUT": "memory:", "CUTS": "memory:"
     })  # fmt: skip
-    ours = package.partition_within(geometries, budget=budget, crs=CRS[place])
+    ours = package.partition_within(geometries, budget=budget, new_vertices=new, crs=CRS[place])
     assert any("budget" in reason for reason in ours.part_fields["status"])
+    assert (new_points(ours.parts, geometries) > 0) == new
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
 
 
-@pytest.mark.parametrize("place", CRS)
-def test_tradeoff(tools, package, place):
+@pytest.mark.parametrize("place, new", [("as it is", True), ("in degrees", False)])
+def test_tradeoff(tools, package, place, new):
     geometries = polygons(place, "")
     theirs = tools("tradeoff", {
-        "INPUT": layer_of(geometries, CRS[place]), "TAU_MIN": 1.5, "STEPS": 6, "PLACES": "Any", "OUTPUT": "memory:"
+        "INPUT": layer_of(geometries, CRS[place]), "TAU_MIN": 1.5, "STEPS": 6, "PLACES": "Any",
+        "NEW_VERTICES": new, "OUTPUT": "memory:",
     })  # fmt: skip
-    ours = package.tradeoff(geometries, tau_min=1.5, steps=6, places="Any", crs=CRS[place])
+    options = {"tau_min": 1.5, "steps": 6, "places": "Any", "crs": CRS[place]}
+    ours = package.tradeoff(geometries, new_vertices=new, **options)
+    assert (ours["length"].sum() != package.tradeoff(geometries, **options)["length"].sum()) == new
     assert len(ours["tau"]) > 80
     assert_same(theirs["OUTPUT"], None, ours)
 
 
 @pytest.mark.parametrize("place", CRS)
-@pytest.mark.parametrize("parts", [None, 3])
-def test_hierarchy(tools, package, place, parts):
+@pytest.mark.parametrize("parts, new", [(None, True), (3, False)])
+def test_hierarchy(tools, package, place, parts, new):
     geometries = polygons(place, "Z")
     theirs = tools("hierarchy", {
         "INPUT": layer_of(geometries, CRS[place], kind=KIND["Z"]), "PARTS": parts, "SMALLEST_PART": 0.1,
-        "OUTPUT": "memory:", "CUTS": "memory:",
+        "NEW_VERTICES": new, "OUTPUT": "memory:", "CUTS": "memory:",
     })  # fmt: skip
-    ours = package.hierarchy(geometries, parts=parts, smallest_part=0.1, crs=CRS[place])
-    assert len(ours.cuts) > 20
+    ours = package.hierarchy(geometries, parts=parts, smallest_part=0.1, new_vertices=new, crs=CRS[place])
+    assert len(ours.cuts) > 20 and (new_points(ours.parts, geometries) > 0) == new
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
 
@@ -254,8 +266,43 @@ def test_aggregation(tools, package, crs):
         assert_same(there["ASSIGNMENT"], here.assignment, here.assignment_fields, names={"status": "status_2"})
 
 
+def floors(count=5, angle=0.3):
+    """Floors of a tower, whose ceilings have teeth that almost meet the walls below; the walls lack vertices."""
+    rng = np.random.default_rng(7)
+    walls = []
+    for k in range(count + 1):
+        wall = [(0.0, 10.0 * k)]
+        for x in np.cumsum(rng.uniform(8, 14, 4 if 0 < k < count else 0)):
+            wall += [(x - 1, 10.0 * k), (x, 10.0 * k - rng.uniform(8.5, 9.5)), (x + 1, 10.0 * k)]
+        walls.append(wall + [(60.0, 10.0 * k)])
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    areas = [shapely.Polygon(317.0 * np.array(a + b[::-1]) @ turn) for a, b in zip(walls, walls[1:])]
+    return np.array(areas + [None], dtype=object), list("abcab") + [None]
+
+
+@pytest.mark.parametrize("crs, ordinates", [("EPSG:3035", ""), ("EPSG:3035", "Z"), ("EPSG:4326", "")])
+def test_aggregation_with_new_vertices(tools, package, crs, ordinates):
+    areas, classes = floors()
+    if ordinates:
+        areas = shapely.transform(
+            shapely.force_3d(areas), lambda xyz: xyz + xyz[:, [2, 2, 0]] * (0, 0, 0.5), include_z=True
+        )
+    if crs == "EPSG:4326":
+        areas = shapely.transform(areas, lambda xy: xy / 60_000 + (8.0, 50.0), include_z=bool(ordinates))
+    theirs = tools("prepareaggregation", {
+        "INPUT": layer_of(areas, crs, [("class:string", classes)], KIND[ordinates]), "CLASS": "class", "TAU": 2.5,
+        "NEW_VERTICES": True, "OUTPUT": "memory:", "ADJACENCY": "memory:",
+    })  # fmt: skip
+    ours = package.prepare_aggregation(areas, class_=classes, tau=2.5, new_vertices=True, crs=crs)
+    assert new_points(ours.pieces, areas) > 5
+    assert_same(theirs["OUTPUT"], ours.pieces, ours.piece_fields, ids=("area_id",))
+    assert_same(theirs["ADJACENCY"], None, ours.neighbours, ids=())
+
+
 @pytest.mark.parametrize("crs, options", [
-    ("EPSG:3035", {"scale": 1.5}), ("EPSG:3035", {"frame": False, "selection": "Greedy", "tau": 3}),
+    ("EPSG:3035", {"scale": 1.5}),
+    ("EPSG:3035", {"scale": 1.5, "places": "Natural", "selection": "MinLength"}),
+    ("EPSG:3035", {"scale": 1.5, "smallest_part": 20.0, "tau": 1.5}), ("EPSG:3035", {"frame": False, "selection": "Greedy", "tau": 3}),
     ("EPSG:4326", {"scale": 2, "growth": 20}),
 ])  # fmt: skip
 def test_enlarge(tools, package, crs, options):
