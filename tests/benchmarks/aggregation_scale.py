@@ -65,7 +65,7 @@ def by_tools(count):
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder)
         areas = QgsVectorLayer("Polygon?crs=EPSG:32612", "areas", "memory")
-        areas.dataProvider().addAttributes([QgsField("class", QVariant.Int)])
+        areas.dataProvider().addAttributes([QgsField("class", QVariant.Type.Int)])
         areas.updateFields()
         fields, path = areas.fields(), f"{folder}/areas.gpkg"
         options = QgsVectorFileWriter.SaveVectorOptions()
