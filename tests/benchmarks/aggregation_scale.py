@@ -54,8 +54,7 @@ def made(count):
 def by_tools(count):
     """Greedy as a tool: on the land cover, or on a made coverage and its pieces."""
     from many_polygons import Bench, memory
-    from qgis.core import QgsFeature, QgsField, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
-    from qgis.PyQt.QtCore import QVariant
+    from qgis.core import QgsFeature, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
 
     if count:
         shapes, values = made(count)
@@ -64,9 +63,7 @@ def by_tools(count):
         values = values[:, 0]
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder)
-        areas = QgsVectorLayer("Polygon?crs=EPSG:32612", "areas", "memory")
-        areas.dataProvider().addAttributes([QgsField("class", QVariant.Type.Int)])
-        areas.updateFields()
+        areas = QgsVectorLayer("Polygon?crs=EPSG:32612&field=class:integer", "areas", "memory")
         fields, path = areas.fields(), f"{folder}/areas.gpkg"
         options = QgsVectorFileWriter.SaveVectorOptions()
         writer = QgsVectorFileWriter.create(
