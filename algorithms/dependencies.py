@@ -1,4 +1,7 @@
-"""Python packages that QGIS may lack: what is missing, and which command installs it."""
+"""Python packages that QGIS may lack: what is missing, and which command installs it.
+
+Not numpy: Processing itself does not start without it.
+"""
 
 import importlib.util
 import platform
@@ -6,6 +9,8 @@ import shutil
 import sys
 import sysconfig
 from pathlib import Path
+
+import numpy
 
 # For which CPython and which machines PyPI has wheels. Nobody builds an engine from source.
 WHEELS = {
@@ -18,10 +23,6 @@ WHEELS = {
 
 def dependency_problem():
     """Return what is missing and which command installs it, or '' if the tools can run."""
-    try:
-        import numpy
-    except ImportError:
-        return "The Python package numpy is missing. Install it with QGIS's own package manager."
     try:
         import shapely
 

@@ -21,7 +21,7 @@ from .core.aggregation.tables import text
 from .core.aggregation.tables import thresholds as class_thresholds
 from .core.partition import features
 from .core.partition.solve import finish, select
-from .core.rings import Rings, groups, take
+from .core.rings import Rings
 
 DISTANCES = ("equal", "code", "table")
 BOUNDARIES = ("regions", "classes")
@@ -93,8 +93,8 @@ def prepare_aggregation(
 ) -> Pieces:
     """Cut the areas of a map at their bottlenecks, before they are aggregated.
 
-    The tool ``isthmus:prepareaggregation``. No vertex is moved, and none added unless you allow it
-    (``new_vertices``), so what neighbours share they still share.
+    The tool ``isthmus:prepareaggregation``. No vertex is moved or added, so what neighbours share they still
+    share.
 
     Parameters
     ----------
@@ -106,8 +106,7 @@ def prepare_aggregation(
         See `isthmus.partition`, for all areas.
     objective : {'MinSize', 'MinLength'}
     places, smallest_part, min_length, min_hole, new_vertices, crs
-        See `isthmus.partition`; places and smallest_part are those of the paper by default, and neighbours
-        get the same new vertices.
+        See `isthmus.partition`; places and smallest_part are those of the paper by default.
 
     Returns
     -------
@@ -134,42 +133,36 @@ def prepare_aggregation(
         origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
     )
     measure, metre = _kinds.measure_of(origin.crs), _kinds.metres_of(origin.crs)
-    area, geometry, status, rings, is_new, extra, reasons = [], [], [], [], [], [], {}
-    wide = slice(None) if new_vertices else slice(2)  # Z and M of new vertices are interpolated
+    area, geometry, status, rings, new, reasons = [], [], [], [], [], {}
     for problem, shapes in _problems(origin, settings):
         chunk = problem.chunk
         selection = select(problem.prepared, tau, weight=problem.weight, with_dilation=False)
         found = features.pieces(problem, finish(problem.prepared, selection).parts)
-        feature, made = _pieces(problem, found, shapes)
+        feature, own = _pieces(problem, found, shapes)
         why, total = _reasons(origin, problem), np.diff(found.feature_offsets)
         reasons.update(why)
         as_it_came = (total == 1) & _nothing(problem)
-        made[as_it_came[feature]] = origin.geometries[chunk.features[feature[as_it_came[feature]]]]
+        own[as_it_came[feature]] = origin.geometries[chunk.features[feature[as_it_came[feature]]]]
         area.append(chunk.features[feature])
-        geometry.append(made)
+        geometry.append(own)
         status.append(problem.verdict[found.polygon])
-        rings.append(Rings(chunk.rings.coords[found.rows, wide], found.offsets, found.ring_offsets))
-        is_new.append(found.rows >= chunk.rings.offsets[-1])
-        extra.append(chunk.extra[feature])
+        rings.append(Rings(chunk.rings.coords[found.rows], found.offsets, found.ring_offsets))
+        new.append(found.rows >= len(chunk.rings.coords) - len(problem.prepared.new_rows))
     of = np.concatenate([np.empty(0, dtype=np.int64), *area])
-    shapes = np.concatenate([np.empty(0, dtype=object), *geometry])
-    all_rings = core.joined_rings(_of_one_width(rings))
+    all_rings = core.joined_rings(_alike(rings))
+    verdicts = np.concatenate([np.empty(0, dtype=object), *status])
+    made = np.concatenate([np.empty(0, dtype=object), *geometry])
     arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
-    new = np.concatenate([np.empty(0, dtype=bool), *is_new])
-    if new.any():
-        cut_rings = all_rings
+    is_new = np.concatenate([np.empty(0, dtype=bool), *new])
+    if is_new.any():  # neighbours get these vertices, too
         all_rings, grown = with_shared_vertices(
-            cut_rings, new, arranged.coverage, core.rows_of(arranged, cut_rings)
+            all_rings, is_new, arranged.coverage, core.rows_of(arranged, all_rings)
         )
         arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
-        # beside what a neighbour gives, a new vertex may have moved to one of a neighbour
-        ring = groups(cut_rings.offsets)[new]
-        grown[groups(cut_rings.polygon_offsets)[ring]] = True
-        ring, ring_offsets = take(all_rings.polygon_offsets, np.flatnonzero(grown))
-        row, offsets = take(all_rings.offsets, ring)
-        shapes[grown] = _geometry.polygons(
-            all_rings.coords, row, offsets, ring_offsets, np.concatenate(extra)[grown]
-        )
+        extra = _geometry.extra_of(origin.geometries)[of]
+        rows = np.arange(len(all_rings.coords))
+        anew = _geometry.polygons(all_rings.coords, rows, all_rings.offsets, all_rings.polygon_offsets, extra)
+        made = np.where(grown | (verdicts == ""), anew, made)
     pairs, length = core.neighbours(arranged)
     empty = np.setdiff1d(np.arange(len(origin.geometries)), of)
     everything = np.append(of, empty)
@@ -178,11 +171,9 @@ def prepare_aggregation(
         "piece": np.append(np.arange(1.0, len(of) + 1.0), np.full(len(empty), np.nan))
         if len(empty) else np.arange(1, len(of) + 1),
         "size": np.append(arranged.size, np.zeros(len(empty))),
-        "status": np.concatenate(
-            [np.empty(0, dtype=object), *status, np.array([reasons[int(k)] for k in empty], dtype=object)]
-        ),
+        "status": np.append(verdicts, np.array([reasons[int(k)] for k in empty], dtype=object)),
     }
-    shapes = np.append(shapes, origin.geometries[empty])
+    shapes = np.append(made, origin.geometries[empty])
     _kinds.tell(origin, reasons, "were not cut, or not all of their parts")
     _tell_faults(origin, arranged, of)
     if class_ is not None:
@@ -195,11 +186,11 @@ def prepare_aggregation(
     return Pieces(_kinds.result(origin, shapes, everything, fields), fields, neighbours)
 
 
-def _of_one_width(rings: list[Rings]) -> list[Rings]:
-    """Rings with as many ordinates everywhere; those added at the end are none of a geometry's own."""
-    width = max((own.coords.shape[1] for own in rings), default=2)
+def _alike(chunks: list[Rings]) -> list[Rings]:
+    """Rings of chunks with as many ordinates in each; what one lacks is 0."""
+    width = max((own.coords.shape[1] for own in chunks), default=2)
     return [
-        own._replace(coords=np.pad(own.coords, ((0, 0), (0, width - own.coords.shape[1])))) for own in rings
+        own._replace(coords=np.pad(own.coords, ((0, 0), (0, width - own.coords.shape[1])))) for own in chunks
     ]
 
 

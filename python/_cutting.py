@@ -425,10 +425,10 @@ class _Settings(NamedTuple):
     """How to solve: options of all features."""
 
     natural: bool
+    new_vertices: bool
     floors: dict[str, np.ndarray]
     lines: GivenLines | None
     bent: list
-    new_vertices: bool
     weigh: Callable | None
 
     def tell_lines(self) -> None:
@@ -466,7 +466,7 @@ def _settings(
             ("smallest_part", smallest_part), ("min_length", min_length), ("min_hole", min_hole)
         )
     }
-    return _Settings(places == "Natural", floors, lines, bent, bool(new_vertices), weigh)
+    return _Settings(places == "Natural", new_vertices, floors, lines, bent, weigh)
 
 
 def _given(origin: Source, candidates: Any) -> tuple[GivenLines, list]:
@@ -525,7 +525,7 @@ def _problems(origin: Source, settings: _Settings) -> Iterator[tuple[Problem, np
         floors = {name: values[chunk.features] for name, values in settings.floors.items()}
         yield features.prepare(
             chunk, natural=settings.natural, lines=settings.lines, new_vertices=settings.new_vertices,
-            weigh=settings.weigh, **floors,
+            weigh=settings.weigh, **floors
         ), shapes
     _kinds.tell(origin, strange, "are measured in the plane (is the CRS right?)")
 

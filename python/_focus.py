@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any, Iterable, NamedTuple
 
 import numpy as np
@@ -81,16 +80,12 @@ def enlarge(
         The rule for relevant edges, where none are given.
     tau : float
         For the rule, and for the edges that join islands; at least 1.
-    places : {'Natural', 'Any'}
-        For MinSize and MinLength, where relevant edges may lie; see `isthmus.partition`. Natural takes fewer,
-        and keeps the shape less well.
-    smallest_part : float
-        For MinSize and MinLength, in per cent of the polygon: smaller parts get no edges, and smaller detail
-        is not measured.
+    places, smallest_part
+        For MinSize and MinLength, see `isthmus.partition`; one number for all polygons.
     frame : bool
         Whether the map stays within its extent, but for its growth.
     growth : float
-        How much wider and higher the frame may become at most, in per cent.
+        How much wider and higher the frame may become, in per cent.
     along : iterable of geometries, sequences, GeoSeries or GeoDataFrames
         Further layers, deformed as the map around them.
     crs : object, optional
@@ -117,16 +112,16 @@ def enlarge(
     16.0
     """
     _kinds.one_of(selection, "selection", SELECTIONS)
-    _kinds.least(scale, "scale", 0.01, 100.0)
-    _kinds.least(tau, "tau", 1.0)
     _kinds.one_of(places, "places", PLACES)
     _kinds.least(smallest_part, "smallest_part", 0.0, 100.0)
+    _kinds.least(scale, "scale", 0.01, 100.0)
+    _kinds.least(tau, "tau", 1.0)
     _kinds.least(growth, "growth", 0.0, 1000.0)
     from .core.focus.carrying import Carrier  # these import scipy
     from .core.focus.enlarge import enlarge as solve
     from .core.focus.globe import on_the_globe
     from .core.focus.graph import match
-    from .core.focus.selection import min_length, min_size
+    from .core.focus.selection import rule_of
 
     origin = _kinds.source(map, crs, "map")
     runs = [_runs(one) for one in origin.geometries]
@@ -148,13 +143,11 @@ def enlarge(
     given = None
     if edges is not None:
         given = _given(_of_crs(edges, origin, "edges"), rows, match)
-    rule: Any = {"MinSize": min_size, "MinLength": min_length}.get(selection, selection)
-    if callable(rule):
-        rule = partial(rule, natural=places == "Natural", smallest=smallest_part / 100.0)
     share, aspect = growth / 100.0, 1.0
     in_degrees = _kinds.measure_of(origin.crs).conformal is not None
     if in_degrees:
         share, aspect = on_the_globe(rows, share)
+    rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
     result = solve(
         rows, np.append(0, np.cumsum(counts)), polygons, _region(_of_crs(focus, origin, "focus")), scale,
         edges=given, rule=rule, tau=tau, frame=frame, growth=share, aspect=aspect,

@@ -1,5 +1,6 @@
 """A layer of areas: what the two aggregation tools share."""
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsGeometry,
@@ -7,6 +8,9 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core.aggregation import tables
+from ...core.aggregation.areas import arrange
+from ...core.rings import offsets_of
 from ..layers import wkb
 from ..partition.solving import measure_of
 
@@ -50,8 +54,6 @@ def read(reader, crs):
     -------
     core.aggregation.areas.Areas
     """
-    from ...core.aggregation.areas import arrange
-
     kept = list(reader)
     rings, owner, _ = wkb.read_polygons(
         with_dimensions(feature.geometry(), reader.wkb_type) for feature in kept
@@ -61,10 +63,6 @@ def read(reader, crs):
 
 def joined_geometry(areas, polygons, extra, multi):
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
-    import numpy as np
-
-    from ...core.rings import offsets_of
-
     made = list(wkb.polygon_geometries(
         areas.coverage.coords,
         np.concatenate([ring for rings in polygons for ring in rings]),
@@ -96,6 +94,4 @@ def union(geometries):
 
 def text(value):
     """Return a class as text; None where there is none."""
-    from ...core.aggregation.tables import text
-
-    return text(None if value == NULL else value)
+    return tables.text(None if value == NULL else value)

@@ -3,9 +3,9 @@
 import contextlib
 import math
 import time
-from functools import partial
 from pathlib import Path
 
+import numpy as np
 from qgis.core import (
     QgsCoordinateTransform,
     QgsCsException,
@@ -305,15 +305,13 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _rule(self, parameters, context):
         """The rule for relevant edges, as `selection.select` takes it."""
-        from ...core.focus import selection
+        from ...core.focus.selection import rule_of
 
-        rule = self.parameterAsEnumString(parameters, self.SELECTION, context)
-        function = {"MinSize": selection.min_size, "MinLength": selection.min_length}.get(rule)
-        return rule if function is None else partial(
-            function,
-            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
-            smallest=self.parameterAsDouble(parameters, self.SMALLEST_PART, context) / 100.0,
-        )  # fmt: skip
+        return rule_of(
+            self.parameterAsEnumString(parameters, self.SELECTION, context),
+            self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
+            self.parameterAsDouble(parameters, self.SMALLEST_PART, context) / 100.0,
+        )
 
     def parameter_problem(self, parameters, context):
         problem = scipy_problem()
@@ -331,8 +329,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         for name, value in ((self.INPUT, source), (self.FOCUS, focus_source)):
             if value is None:
                 raise QgsProcessingException(self.invalidSourceError(parameters, name))
-        import numpy as np
-
         from ...core.errors import Cancelled, IsthmusError
         from ...core.focus.enlarge import enlarge
         from ...core.focus.globe import on_the_globe
@@ -434,7 +430,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
 
     def _focus(self, source, crs, context):
         """The region in focus, in the CRS of the map."""
-        import numpy as np
         import shapely
 
         from ...core.metric import FARTHEST
@@ -459,8 +454,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         source = self.parameterAsSource(parameters, self.EDGES, context)
         if source is None:
             return None
-        import numpy as np
-
         from ...core.focus.graph import match
 
         ends = [np.empty((0, 2, 2))]
@@ -503,8 +496,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
         if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
             return
-        import numpy as np
-
         before, after = (
             np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
             for xy in (result.points, result.moved)
@@ -547,8 +538,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         return {self.CARRIED: path, self.CARRIED_LAYERS: written}
 
     def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
-        import numpy as np
-
         options = QgsVectorFileWriter.SaveVectorOptions()
         options.driverName, options.layerName = "GPKG", name
         options.actionOnExistingFile = action

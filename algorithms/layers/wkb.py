@@ -5,6 +5,7 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 
 import struct
 
+import numpy as np
 from qgis.core import Qgis, QgsField, QgsGeometry, QgsWkbTypes
 from qgis.PyQt.QtCore import QMetaType, QVariant
 
@@ -36,8 +37,6 @@ def read_polygons(geometries):
     extra : list of int
         The `dimensions` of each geometry.
     """
-    import numpy as np
-
     from ...core.rings import Rings, offsets_of, take
     from ...core.wkb import width
 
@@ -196,8 +195,6 @@ def straight_lines(geometry):
     list of (2, 2) float or None
         For each line its two ends; None for a line with bends.
     """
-    import numpy as np
-
     lines = []
     for part in geometry.constParts() if not geometry.isNull() else ():
         straight = part.numPoints() == 2

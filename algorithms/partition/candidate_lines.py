@@ -1,5 +1,6 @@
 """A user's own lines as candidate diagonals."""
 
+import numpy as np
 from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 
 from ..layers import wkb
@@ -19,8 +20,6 @@ class CandidateLines:
     """
 
     def __init__(self, source, crs, context):
-        import numpy as np
-
         from ...core.partition.features import GivenLines
 
         self.fields, self.attributes = source.fields(), []

@@ -3,6 +3,7 @@
 import math
 import sys
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsExpressionContext,
@@ -443,8 +444,6 @@ class _Writer:
 
     def write(self, problem, solution, feedback, check):
         """Write the solution of a chunk, and tell what of it could not be solved."""
-        import numpy as np
-
         from ...core.partition.features import costs, pieces
 
         chunk, tool = problem.chunk, self.tool
@@ -535,8 +534,6 @@ class _Writer:
 
     def _diagonals(self, problem, solution, own):
         """The same of all candidates."""
-        import numpy as np
-
         if not self.with_diagonals:
             return None
         chosen = np.flatnonzero(own)

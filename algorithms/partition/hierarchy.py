@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsProcessing,
@@ -157,8 +158,6 @@ class HierarchyAlgorithm(PartitionTool):
         return problem or self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):
-        import numpy as np
-
         from ...core.partition.features import without_vertex
         from ...core.partition.nesting import nest
 
@@ -213,8 +212,6 @@ class _Writer:
 
     def write(self, problem, nested, feedback, check):
         """Write the levels of a chunk, and tell what of it could not be solved."""
-        import numpy as np
-
         from ...core.partition.nesting import NO_END, items_of
 
         chunk, tool, prepared = problem.chunk, self.tool, problem.prepared

@@ -1,5 +1,6 @@
 """The tool ``isthmus:partition``."""
 
+import numpy as np
 from qgis.core import QgsProcessingAlgorithm, QgsVectorLayer, QgsWkbTypes
 
 from .cutting import CuttingTool
@@ -92,8 +93,6 @@ class PartitionAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
-        import numpy as np
-
         from ...core.partition.features import for_tau
 
         tau_of = self.dynamic(parameters, self.TAU, context, source)

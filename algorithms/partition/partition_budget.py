@@ -1,5 +1,7 @@
 """The tool ``isthmus:partitionbudget``."""
 
+import numpy as np
+
 from ..layers.wkb import REAL
 from .cutting import CuttingTool
 
@@ -68,8 +70,6 @@ class PartitionBudgetAlgorithm(CuttingTool):
         ) or self.objective_problem(parameters, context)
 
     def chooser(self, parameters, context, source, feedback):
-        import numpy as np
-
         from ...core.partition.features import within_budget
 
         budget_of = self.dynamic(parameters, self.BUDGET, context, source)

@@ -7,6 +7,8 @@ the very cuts that the tool makes; the levels by number of parts are those of `i
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ...core.partition.nesting import NO_END
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
@@ -47,8 +49,6 @@ class Preview(NamedTuple):
 
     def largest_tau(self):
         """Return the tau from which on nothing is cut, but for what connects holes."""
-        import numpy as np
-
         most = self.tau
         for _, persistence, _, _ in self.nested:
             most = max(most, float(persistence[persistence < NO_END].max(initial=self.tau)))
@@ -56,8 +56,6 @@ class Preview(NamedTuple):
 
     def most_parts(self):
         """Return the number of parts of the feature with the most."""
-        import numpy as np
-
         most = 1
         for problem, (selected, _, _, place) in zip(self.problems, self.nested):
             polygons = np.bincount(problem.chunk.owner, minlength=len(problem.chunk.features))
@@ -94,8 +92,6 @@ class Preview(NamedTuple):
         -------
         Shown
         """
-        import numpy as np
-
         chosen = []
         for problem, (selected, _, in_tree, place) in zip(self.problems, self.nested):
             polygons = np.bincount(problem.chunk.owner, minlength=len(problem.chunk.features))
@@ -109,8 +105,6 @@ class Preview(NamedTuple):
 
     def _shown(self, chosen):
         """Draw edges, from (selected, those that connect holes) of each problem."""
-        import numpy as np
-
         ends, parts = [np.empty((0, 2, 2))], 0
         for problem, (selected, tree) in zip(self.problems, chosen):
             prepared = problem.prepared
@@ -147,8 +141,6 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
     -------
     Preview
     """
-    import numpy as np
-
     from ...core.partition.hierarchy import hierarchy
     from ...core.partition.solve import select
 

@@ -3,6 +3,7 @@
 import math
 from typing import Callable, NamedTuple
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsEllipsoidUtils,
@@ -67,8 +68,6 @@ def read(features, settings, feedback):
     settings : Settings
     feedback : QgsProcessingFeedback
     """
-    import numpy as np
-
     from ...core import metric
     from ...core.partition.features import Chunk, beyond_the_poles
 
@@ -100,8 +99,6 @@ def prepare(chunk, settings, check=ignore):
     -------
     core.partition.features.Problem
     """
-    import numpy as np
-
     from ...core.partition.features import prepare
 
     floors = {
@@ -143,8 +140,6 @@ def weigh_by_expression(text, source, lines, context):
     expression.prepare(context)
 
     def weigh(chunk, near, prepared):
-        import numpy as np
-
         polygon = prepared.polygons.number[prepared.owner]
         feature_of = chunk.owner[polygon].tolist()
         geometries = wkb.line_geometries(

@@ -4,6 +4,7 @@ import contextlib
 import math
 from pathlib import Path
 
+import numpy as np
 from qgis.core import (
     NULL,
     QgsCoordinateReferenceSystem,
@@ -158,8 +159,6 @@ class TradeoffAlgorithm(PartitionTool):
 
     def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
         """Write the steps of each feature; return the curves for the report, and the numbers."""
-        import numpy as np
-
         from ...core.partition.features import curves as follow
         from ...core.partition.features import without_vertex
         from ...core.partition.solve import select

@@ -7,6 +7,8 @@ and the proximity rule of Harrie and Sarjakoski (2002).
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ..errors import Unsolvable
@@ -17,7 +19,7 @@ from ..partition.solve import AMBIGUOUS, partition
 from ..partition.triangulation import diagonals, triangulate
 from ..rings import signed_areas
 
-__all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "select"]
+__all__ = ["RULES", "greedy", "min_length", "min_size", "proximity", "rule_of", "select"]
 
 HOPS = 8  # Harrie and Sarjakoski: an edge needs a way of at least so many segments
 GAP, SECONDS = 0.001, 20.0  # of MinLength: relative, and for one polygon
@@ -220,3 +222,18 @@ def _asks(check):
         return False
 
     return cancelled
+
+
+def rule_of(name, natural=False, smallest=0.0):
+    """Return a rule for `select`: one of `RULES`, for MinSize and MinLength with what may be an edge.
+
+    Parameters
+    ----------
+    name : str
+    natural : bool
+        Whether only those diagonals are candidates where people would cut.
+    smallest : float
+        The smallest part, as a share of each polygon.
+    """
+    function = {"MinSize": min_size, "MinLength": min_length}.get(name)
+    return name if function is None else partial(function, natural=natural, smallest=smallest)

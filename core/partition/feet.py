@@ -86,10 +86,9 @@ def places(
     """
     xy, vertex = polygons.xy, polygons.vertex
     after = vertex[polygons.next_corner]
-    edge, v = _edges_opposite(polygons, triangles)
-    own = np.flatnonzero(_concave(polygons)[v])
-    edge, v = edge[own], v[own]
-    along, to = position[after[edge]] - position[vertex[edge]], position[v] - position[vertex[edge]]
+    edge, v = _edges_opposite(polygons, triangles, _concave(polygons))
+    start = position.take(vertex[edge], axis=0)
+    along, to = position.take(after[edge], axis=0) - start, position.take(v, axis=0) - start
     with np.errstate(all="ignore"):  # magnitudes may be extreme; what overflows is no place
         squared, away, passed = (
             np.einsum("ij,ij->i", p, q) for p, q in ((along, along), (to, to), (along, to))
@@ -276,15 +275,16 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     return (ring[first] == ring[last]) & ((between == 0) | (outside == 0))
 
 
-def _edges_opposite(polygons, triangles):
-    """The edges of the polygons, by the corners they leave, and the vertex opposite in their triangle."""
+def _edges_opposite(polygons, triangles, wanted):
+    """The edges of polygons, by the corners they leave, with a wanted vertex opposite in their triangle."""
     xy, vertex = polygons.xy, polygons.vertex
     after, several = vertex[polygons.next_corner], len(vertex) > len(xy)
     corner = np.empty(len(xy), dtype=np.int64)
     corner[vertex] = np.arange(len(vertex))
     edges, apexes = [], []
     for k in range(3):
-        a, b, v = (triangles[:, (k + other) % 3] for other in range(3))
+        some = np.flatnonzero(wanted.take(triangles[:, (k + 2) % 3]))
+        a, b, v = (triangles[:, (k + other) % 3].take(some) for other in range(3))
         edge = corner[a]
         if several:  # rings touch: some vertices have several edges
             key = vertex * len(xy) + after
@@ -300,10 +300,13 @@ def _edges_opposite(polygons, triangles):
 def _concave(polygons):
     """(n,) bool: the vertices at which the outline turns away from the inside."""
     xy, vertex = polygons.xy, polygons.vertex
-    here, after = xy[vertex], xy[vertex[polygons.next_corner]]
-    out, into = after - here, here - xy[vertex[previous(polygons.offsets)]]
-    cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-    turns = cross < -np.tan(CONCAVE) * np.maximum((into * out).sum(axis=1), 0.0)
+    x, y = xy.take(vertex, axis=0).T
+    out_x, out_y = (axis.take(polygons.next_corner) - axis for axis in (x, y))
+    before = previous(polygons.offsets)
+    into_x, into_y = out_x.take(before), out_y.take(before)
+    turns = into_x * out_y - into_y * out_x < -np.tan(CONCAVE) * np.maximum(
+        into_x * out_x + into_y * out_y, 0.0
+    )
     concave = np.zeros(len(xy), dtype=bool)
     concave[vertex[turns & ~polygons.inserted]] = True
     return concave

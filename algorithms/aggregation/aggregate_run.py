@@ -1,0 +1,399 @@
+"""What ``isthmus:aggregate`` runs."""
+
+import contextlib
+from pathlib import Path
+
+import numpy as np
+from qgis.core import (
+    NULL,
+    QgsFeatureRequest,
+    QgsFields,
+    QgsProcessingException,
+    QgsProcessingUtils,
+    QgsWkbTypes,
+)
+
+from ...core.aggregation.areas import invalid, piece_fields, posed, reasons_of
+from ...core.aggregation.coverage import joined
+from ...core.aggregation.instance import costs
+from ...core.aggregation.methods import by_method
+from ...core.aggregation.outcome import balance, outcome
+from ...core.aggregation.presets import PRESETS
+from ...core.aggregation.tables import distances, thresholds
+from ...core.errors import Cancelled, IsthmusError
+from ..base import counted
+from ..layers import wkb
+from ..layers.sinks import Sinks, make_fields
+from ..layers.source import Reader
+from ..layers.styles import style_on_load
+from ..layers.wkb import LONG
+from . import areas as layer
+from . import report
+from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS
+from .areas_tool import field_index
+
+
+def aggregate(tool, parameters, context, feedback):
+    """Run `isthmus:aggregate`; return its results."""
+    source = tool.source(parameters, context)
+    run = _Run(tool, parameters, context, feedback, source)
+    run.read()
+    if feedback.isCanceled():
+        return {}
+    found, bound = run.solve()
+    if found is None:
+        return {}
+    with Sinks(tool, parameters, context, feedback) as sinks:
+        results = run.write(found, sinks)
+    results.update(sinks.destinations)
+    style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml")
+    run.report(found, results)
+    cost = costs(run.problem, found)
+    size = float(np.sum(run.areas.size))
+    results.update({
+        tool.TOTAL_COST: cost.total,
+        tool.CHANGE_COST: cost.change,
+        tool.BOUNDARY_COST: cost.boundary,
+        tool.CENTRE_COST: cost.centre,
+        tool.CHANGED_SHARE: cost.changed_size / size if size else 0.0,
+    })
+    feedback.pushInfo(
+        f"Cost {cost.total:.6g}: class change {cost.change:.6g}, boundary {cost.boundary:.6g}, "
+        f"centre distance {cost.centre:.6g}. {results[tool.REGION_COUNT]} regions; "
+        f"{100 * results[tool.CHANGED_SHARE]:.2f} % of the area changed its class."
+    )
+    if bound is not None:
+        # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
+        results[tool.LOWER_BOUND] = float(min(bound, cost.total))
+    return results
+
+
+def _region_fields(class_field):
+    """Fields of the regions; where the class has one of their names, theirs gets a number."""
+    own = QgsFields()
+    own.append(class_field)
+    names = QgsProcessingUtils.combineFields(own, make_fields(REGION_FIELDS)).names()[1:]
+    own = make_fields(((names[0], LONG),))
+    own.append(class_field)
+    for field in make_fields([(name, kind) for name, (_, kind) in zip(names[1:], REGION_FIELDS[1:])]):
+        own.append(field)
+    return own
+
+
+@contextlib.contextmanager
+def _told():
+    """Make what the core says an error of the tool."""
+    try:
+        yield
+    except IsthmusError as problem:
+        raise QgsProcessingException(str(problem)) from None
+
+
+def _rows(source, parameter, wanted):
+    """Values of some fields of a table, whatever their case; complains of a field it lacks."""
+    if source is None:
+        return
+    names = [field.name().lower() for field in source.fields()]
+    lacking = [name for name in wanted if name not in names]
+    if lacking:
+        raise QgsProcessingException(
+            f"The table {parameter} has no field {', '.join(lacking)}. It has: {', '.join(names)}."
+        )
+    index = [names.index(name) for name in wanted]
+    for feature in source.getFeatures(QgsFeatureRequest()):
+        values = feature.attributes()
+        yield tuple(None if values[k] == NULL else values[k] for k in index)
+
+
+class _Run:
+    """One run of the tool."""
+
+    def __init__(self, tool, parameters, context, feedback, source):
+        self.tool, self.parameters, self.context = tool, parameters, context
+        self.feedback, self.source = feedback, source
+        self.class_index = self.field(tool.CLASS)
+        self.class_field = source.fields()[self.class_index]
+        self.id_index = self.field(tool.AREA_ID, needed=False)
+        self.size_index = -1
+        found, size = piece_fields(source.fields().names())
+        if self.id_index < 0 and found >= 0:
+            self.id_index = found
+            feedback.pushInfo(
+                f"The field {source.fields()[found].name()} tells which pieces belong to one area."
+            )
+        if self.id_index == found:
+            self.size_index = size
+
+    def number(self, name):
+        return self.tool.parameterAsDouble(self.parameters, name, self.context)
+
+    def choice(self, name):
+        return self.tool.parameterAsString(self.parameters, name, self.context)
+
+    def weights(self):
+        """The weights of the three costs: what is given, else that of the named set."""
+        tool = self.tool
+        names = (tool.WEIGHT_CHANGE, tool.WEIGHT_BOUNDARY, tool.WEIGHT_CENTRE)
+        return [
+            value if self.parameters.get(name) is None else self.number(name)
+            for name, value in zip(names, PRESETS[self.choice(tool.WEIGHTS)])
+        ]
+
+    def field(self, name, needed=True):
+        return field_index(self.tool, self.parameters, self.context, self.source, name, needed)
+
+    def read(self):
+        """Read the layer and the tables into a problem."""
+        tool, feedback = self.tool, self.feedback
+        crs = self.source.sourceCrs()
+        self.reader = Reader(self.source, feedback)
+        feedback.setProgressText("Reading the areas")
+        areas = self.areas = layer.read(self.reader, crs)
+        feedback.setProgressText("Finding shared boundaries")
+        texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
+        self.reason = reasons_of(areas, texts, [
+            "it is empty" if one.hasGeometry() else "it has no geometry" for one in areas.features
+        ])  # fmt: skip
+        self._tell_invalid(set(invalid(areas).tolist()) - set(self.reason))
+        for k, reason in self.reason.items():
+            feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
+        self.classes = sorted({one for one in texts if one is not None})
+        if not self.classes:
+            feedback.pushWarning("No area has a class: there is nothing to aggregate.")
+        with _told():
+            self.problem = posed(
+                areas, texts, self.classes, list(self.reason), self._thresholds(), self._distances(),
+                self.weights(), self.choice(tool.BOUNDARY) == "classes",
+            )
+
+    def _thresholds(self):
+        """The smallest size of a region of each class."""
+        tool, parameters, context = self.tool, self.parameters, self.context
+        source = tool.parameterAsSource(parameters, tool.THRESHOLDS, context)
+        text = tool.parameterAsString(parameters, tool.EXCLUDED, context) or ""
+        theta, absent = thresholds(
+            self.classes, self.number(tool.THRESHOLD), _rows(source, "THRESHOLDS", ("class", "threshold")),
+            filter(None, (part.strip() for part in text.split(","))),
+        )
+        for one in absent:
+            self.feedback.pushInfo(f"The excluded class {one} is not on the map.")
+        return theta
+
+    def _distances(self):
+        """The distance of each class to each other."""
+        tool, parameters, context = self.tool, self.parameters, self.context
+        kind, table = self.choice(tool.DISTANCE), ()
+        if kind == "table":
+            source = tool.parameterAsSource(parameters, tool.DISTANCES, context)
+            if source is None:
+                raise QgsProcessingException(tool.invalidSourceError(parameters, tool.DISTANCES))
+            table = _rows(source, "DISTANCES", ("from", "to", "distance"))
+        matrix, one_way = distances(self.classes, kind, table)
+        if one_way:
+            self.feedback.pushInfo(
+                f"{one_way} class distances are listed in one direction only; the other way they are "
+                "taken as equal."
+            )
+        return matrix
+
+    def _tell_invalid(self, numbers, most=10):
+        """Warn of areas that are not valid."""
+        if numbers:
+            ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
+            self.feedback.pushWarning(
+                f"Not valid (an outline crosses itself, for one): {counted(len(ids), 'area')}, "
+                f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
+                "be wrong. Run Fix geometries on the layer first."
+            )
+
+    def solve(self):
+        """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
+        tool, feedback, problem = self.tool, self.feedback, self.problem
+        method, seconds = self.choice(tool.METHOD), self.number(tool.SECONDS)
+        count = int(self.number(tool.REGIONS)) or None
+        shapeless = len(problem.size) - len(set(self.areas.owner.tolist()))
+        if count:  # for the core, an area without a geometry is a region, too
+            count += shapeless
+
+        def check(share):
+            if feedback.isCanceled():
+                raise Cancelled("cancelled")
+            if share is not None:
+                feedback.setProgress(100.0 * share)
+
+        feedback.setProgressText(f"Aggregating {len(problem.size)} areas ({method})")
+        decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
+        try:
+            found, result = by_method(
+                problem, method, seed=int(self.number(tool.SEED)),
+                iterations=int(self.number(tool.ITERATIONS)), seconds=seconds, count=count,
+                decompose=decompose, check=check,
+            )
+        except Cancelled:
+            return None, None
+        if result:
+            self._tell_gap(result, decompose)
+            if count:
+                feedback.pushWarning("The number of regions is not used by the exact method.")
+        elif count and len(found.core) != count:
+            feedback.pushWarning(
+                f"{count - shapeless} regions were wanted, and {len(found.core) - shapeless} is as "
+                "near as thresholds and neighbours allowed by merging and splitting single regions."
+            )
+        return found, result and result.bound
+
+    def _tell_gap(self, result, decompose):
+        total = costs(self.problem, result.found).total
+        gap = max(0.0, 1.0 - result.bound / total) if total else 0.0
+        kind = " in which every area that is large enough by itself is a core" * decompose
+        if result.proven:
+            said = f"No solution{kind} costs less"
+        else:
+            said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
+        self.feedback.pushInfo(
+            f"{said} (gap {100 * gap:.2f} %; "
+            f"{counted(result.parts, 'independent part')}, "
+            f"{counted(result.rounds, 'programme')} solved)."
+        )
+
+    def write(self, found, sinks):
+        """Write the layers; return the numbers."""
+        tool, areas = self.tool, self.areas
+        shaped = np.zeros(len(areas.features), dtype=bool)
+        shaped[areas.owner] = True
+        self.sources = self._sources()
+        out = outcome(self.problem, found, shaped, self.sources, self.reason)
+        label = np.where(shaped, found.region, -1)
+        shapes = joined(areas.coverage, label[areas.owner])
+        merged_shapes = joined(areas.coverage, out.merged[areas.owner])
+
+        # several polygons for one feature: of multipart areas, or where overlaps must be united
+        wkb_type = self.reader.wkb_type
+        united = sum(len(group) > 1 and r not in shapes for r, group in enumerate(out.members))
+        united += len(set(out.merged[out.merged >= 0].tolist()) - set(merged_shapes))
+        if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
+            wkb_type = QgsWkbTypes.multiType(wkb_type)
+        written = self._regions(found, out, shapes, wkb_type, sinks)
+        self._report_small(out.small, found, out.size, out.faults)
+        self._assignment(found, out, merged_shapes, wkb_type, sinks)
+        return {
+            tool.REGION_COUNT: written,
+            tool.TOO_SMALL_COUNT: len(out.small),
+            tool.SKIPPED_COUNT: len(self.reason),
+        }
+
+    def _regions(self, found, out, shapes, wkb_type, sinks):
+        """Write the regions; return their number."""
+        tool = self.tool
+        multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
+        sinks.open(tool.OUTPUT, _region_fields(self.class_field), wkb_type, self.source.sourceCrs())
+        written = 0
+        for r, group in enumerate(out.members):
+            if not group:
+                continue
+            core = self.areas.features[int(found.core[r])]
+            geometry = self._shape(group, shapes.get(r), extra, multi)
+            values = [
+                r + 1, core.attributes()[self.class_index], float(out.size[r]),
+                len({self.sources[k] for k in group}), core.id(), out.faults.get(r, ""),
+            ]
+            sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
+            written += 1
+        return written
+
+    def report(self, found, results):
+        """Tell which areas lost their class, and write the report if one is wanted."""
+        tool = self.tool
+        made = balance(self.problem, found, self.sources, self.classes)
+        lost, many = (sum(row[k] for row in made.lost) for k in (1, 2))
+        results[tool.LOST_COUNT] = lost
+        if many:
+            some = "; ".join(f"{name} {gone} of {of}" for name, gone, of in made.lost if gone)
+            self.feedback.pushInfo(
+                f"Of {counted(many, 'area')} above half of the minimum size, {lost} lost their class"
+                f"{': ' * bool(some)}{some}."
+            )
+        path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
+        if not path:
+            return
+        weights = [f"{weight:g}" for weight in self.weights()]
+        intro = [
+            f"{counted(len(self.problem.size), 'area')} in {counted(results[tool.REGION_COUNT], 'region')}, "
+            f"by {self.choice(tool.METHOD)}.",
+            f"Weights: class change {weights[0]}, boundary {weights[1]}, centre distance {weights[2]}.",
+        ]
+        try:
+            Path(path).write_text(
+                report.page(f"Aggregation of {self.source.sourceName()}", intro, made), encoding="utf-8"
+            )
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                Path(path).unlink()
+            raise QgsProcessingException(f"The report could not be written: {error}") from error
+        results[tool.REPORT] = path
+
+    def _sources(self):
+        """What identifies the area of each feature: pieces of one area have the same."""
+        if self.id_index < 0:
+            return list(range(len(self.areas.features)))
+        ids = [layer.text(one.attributes()[self.id_index]) for one in self.areas.features]
+        return [k if one is None else one for k, one in enumerate(ids)]
+
+    def _shape(self, group, polygons, extra, multi):
+        """Geometry of the areas of a region; of a single one its own, as it is."""
+        if len(group) == 1:
+            geometry = layer.with_dimensions(
+                self.areas.features[group[0]].geometry(), self.reader.wkb_type
+            )
+            if multi:
+                geometry.convertToMultiType()
+            return geometry
+        if polygons is None:
+            return layer.union([self.areas.features[k].geometry() for k in group])
+        return layer.joined_geometry(self.areas, polygons, extra, multi)
+
+    def _report_small(self, small, found, size, faults, most=20):
+        for r in small[:most]:
+            core = self.areas.features[int(found.core[r])]
+            self.feedback.pushWarning(
+                f"Region {r + 1} around area {core.id()} ({size[r]:.6g} square metres) could not be "
+                f"helped: {faults[r]}. It has no neighbours that would make it large enough."
+            )
+        if len(small) > most:
+            self.feedback.pushWarning(f"... and {len(small) - most} more; see the field status.")
+        if len(small) == len(found.core) > 0:
+            self.feedback.pushWarning(
+                "No region reaches its minimum size: is the threshold larger than the map?"
+            )
+
+    def _assignment(self, found, out, shapes, wkb_type, sinks):
+        """Write the areas with their regions, the pieces of one area that ended in one as one."""
+        tool, areas = self.tool, self.areas
+        new_class = type(self.class_field)(self.class_field)
+        new_class.setName("new_class")
+        added = make_fields(ASSIGNED_FIELDS[:1])
+        added.append(new_class)
+        for one in make_fields(ASSIGNED_FIELDS[1:]):
+            added.append(one)
+        own = QgsProcessingUtils.combineFields(self.source.fields(), added)
+        if not sinks.open(tool.ASSIGNMENT, own, wkb_type, self.source.sourceCrs(), False):
+            return
+        multi, extra = QgsWkbTypes.isMultiType(wkb_type), wkb.dimensions(wkb_type)
+        for number, ((_, r), group) in enumerate(out.groups.items()):
+            first = areas.features[group[0]]
+            values = first.attributes()
+            if len(group) > 1 and self.size_index >= 0:
+                values[self.size_index] = float(areas.size[group].sum())
+            if r is None or group[0] in self.reason:
+                region = NULL if r is None else r + 1
+                values += [region, values[self.class_index], 0, self.reason.get(group[0], "")]
+            else:
+                core = int(found.core[r])
+                kept = areas.features[core].attributes()[self.class_index]
+                changed = int(self.problem.cls[core] != self.problem.cls[group[0]])
+                values += [r + 1, kept, changed, out.faults.get(r, "")]
+            if r is None:
+                geometry = first.geometry()
+            else:
+                geometry = self._shape(group, shapes.get(number), extra, multi)
+            sinks.add(tool.ASSIGNMENT, geometry, values, f"area {first.id()}")
