@@ -88,7 +88,8 @@ def partition(
     """Cut polygons at their isthmuses, straits and necks into natural parts.
 
     The tool ``isthmus:partition``: the fewest cuts (or the shortest, or the cheapest) that leave no place
-    with a detour above tau. Cuts join vertices; none is moved, nor added unless you ask for it.
+    with a detour above tau. Cuts join vertices; none is moved, and none added unless you allow it
+    (``new_vertices``).
 
     Parameters
     ----------
@@ -115,7 +116,9 @@ def partition(
         Straight lines between two vertices to choose the cuts from, instead of a triangulation's diagonals:
         a geometry, a sequence, a GeoSeries or a GeoDataFrame.
     new_vertices : bool
-        Whether cuts may end inside an edge, too, at a vertex that is put there.
+        Whether a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite,
+        where blocks and floor plans have no vertex. Only those that a cut uses are added, with Z and M
+        interpolated; neighbours do not get them. No effect with ``candidates``.
     max_gap : float
         For MinLength and MinWeight: largest gap to the proven lower bound, in per cent.
     diagonals : bool

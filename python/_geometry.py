@@ -100,8 +100,9 @@ def _plain(coords: np.ndarray, extra: np.ndarray) -> bool:
     """Whether shapely makes geometries of arrays: no M, no Z for some only, no Z that is none (it would close
     such rings twice)."""
     if not len(extra):
-        return True
-    return bool((extra == extra[0]).all()) and extra[0] < 2000 and not np.isnan(coords[:, 2:]).any()
+        return coords.shape[1] < 4
+    alike = bool((extra == extra[0]).all()) and extra[0] < 2000 and coords.shape[1] == 2 + extra[0] // 1000
+    return alike and not np.isnan(coords[:, 2:]).any()
 
 
 def lines(coords: np.ndarray, rows: np.ndarray, extra: np.ndarray) -> np.ndarray:

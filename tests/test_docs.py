@@ -25,6 +25,7 @@ from qgis.core import (  # noqa: E402
     QgsApplication,
     QgsProcessingContext,
     QgsProcessingFeedback,
+    QgsProcessingModelAlgorithm,
     QgsProcessingParameterDefinition,
     QgsProject,
     QgsVectorFileWriter,
@@ -186,14 +187,16 @@ def value_fits(parameter, value):
         return False
 
 
-def command_lines(text):
-    """Return the qgis_process commands of a page, as lists of words."""
+def command_lines(text, model=False):
+    """Return the qgis_process commands of a page that run tools, or models, as lists of words."""
     lines = [
         line.strip()
         for block in code_blocks(text)
         for line in re.sub(r"\\\n\s*", "", block).splitlines()
     ]
-    return [shlex.split(line) for line in lines if "qgis_process run " in line]
+    return [
+        shlex.split(line) for line in lines if "qgis_process run " in line and (".model3" in line) == model
+    ]
 
 
 def command_problems(text, facts):
@@ -441,6 +444,24 @@ def test_tool_names_are_those_of_the_toolbox(facts):
     text = " ".join(page(name) for name in PROSE[:1] + PROSE[3:])
     for one in re.findall(r"\*((?:Partition polygons|Detour|Aggregate|Prepare|Enlarge)[^*]+)\*", text):
         assert " ".join(one.split()) in {tool["name"] for tool in facts.values()}
+
+
+def test_commands_of_models(tools):
+    found = command_lines(page("README.md"), model=True)
+    assert {Path(words[2]) for words in found} == {
+        path.relative_to(ROOT) for path in (ROOT / "resources/models").glob("*.model3")
+    }
+    optional = QgsProcessingParameterDefinition.Flag.FlagOptional
+    for words in found:
+        model = QgsProcessingModelAlgorithm()
+        assert words[3] == "--" and model.fromFile(str(ROOT / words[2]))
+        given = {word.partition("=")[0] for word in words[4:]}
+        known = {one.name(): one for one in model.parameterDefinitions()}
+        assert given <= set(known), given - set(known)
+        needed = {
+            name for name, one in known.items() if not one.flags() & optional and one.defaultValue() is None
+        }
+        assert needed <= given
 
 
 def test_version():

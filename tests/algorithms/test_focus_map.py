@@ -264,7 +264,7 @@ def test_the_example_model(provider, land, focus):
     sinks = {"partition:Parts": "memory:", "focusmap:Focus map": "memory:",
              "focusmap:Relevant edges": "memory:"}
     results, ok = model.run(
-        {"map": land, "focus": focus, "tau": 2.0, "scale": 1.3, **sinks},
+        {"INPUT": land, "FOCUS": focus, "TAU": 2.0, "SCALE": 1.3, **sinks},
         context, QgsProcessingFeedback(),
     )  # fmt: skip
     assert ok

@@ -114,6 +114,8 @@ def test_models_explain_themselves(provider, path):
         assert tool is not None and tool.id().startswith("isthmus:")
         known = {p.name() for p in tool.parameterDefinitions()}
         assert set(child.parameterSources()) <= known
+        for name, sources in child.parameterSources().items():  # named as the tool's own
+            assert all(one.parameterName() in ("", name) for one in sources), name
 
 
 def test_frozen_names(tools):

@@ -92,6 +92,12 @@ def assert_same(layer, geometries, fields, ids=("source",), names=None):
             assert plain(feature.geometry()) == plain(one)
 
 
+def new_points(parts, geometries):
+    """How many places with a vertex of a part had none before."""
+    after, before = (set(map(tuple, shapely.get_coordinates(one).tolist())) for one in (parts, geometries))
+    return len(after - before)
+
+
 KIND = {"": "MultiPolygon", "Z": "MultiPolygonZ"}
 CRS = {"as it is": "EPSG:3035", "in degrees": "EPSG:4326"}
 
@@ -259,6 +265,39 @@ def test_aggregation(tools, package, crs):
         assert_same(there["OUTPUT"], here.regions, here.region_fields, ids=("core",))
         # the pieces have a status of their own
         assert_same(there["ASSIGNMENT"], here.assignment, here.assignment_fields, names={"status": "status_2"})
+
+
+def floors(count=5, angle=0.3):
+    """Floors of a tower, whose ceilings have teeth that almost meet the walls below; the walls lack vertices."""
+    rng = np.random.default_rng(7)
+    walls = []
+    for k in range(count + 1):
+        wall = [(0.0, 10.0 * k)]
+        for x in np.cumsum(rng.uniform(8, 14, 4 if 0 < k < count else 0)):
+            wall += [(x - 1, 10.0 * k), (x, 10.0 * k - rng.uniform(8.5, 9.5)), (x + 1, 10.0 * k)]
+        walls.append(wall + [(60.0, 10.0 * k)])
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    areas = [shapely.Polygon(317.0 * np.array(a + b[::-1]) @ turn) for a, b in zip(walls, walls[1:])]
+    return np.array(areas + [None], dtype=object), list("abcab") + [None]
+
+
+@pytest.mark.parametrize("crs, ordinates", [("EPSG:3035", ""), ("EPSG:3035", "Z"), ("EPSG:4326", "")])
+def test_aggregation_with_new_vertices(tools, package, crs, ordinates):
+    areas, classes = floors()
+    if ordinates:
+        areas = shapely.transform(
+            shapely.force_3d(areas), lambda xyz: xyz + xyz[:, [2, 2, 0]] * (0, 0, 0.5), include_z=True
+        )
+    if crs == "EPSG:4326":
+        areas = shapely.transform(areas, lambda xy: xy / 60_000 + (8.0, 50.0), include_z=bool(ordinates))
+    theirs = tools("prepareaggregation", {
+        "INPUT": layer_of(areas, crs, [("class:string", classes)], KIND[ordinates]), "CLASS": "class", "TAU": 2.5,
+        "NEW_VERTICES": True, "OUTPUT": "memory:", "ADJACENCY": "memory:",
+    })  # fmt: skip
+    ours = package.prepare_aggregation(areas, class_=classes, tau=2.5, new_vertices=True, crs=crs)
+    assert new_points(ours.pieces, areas) > 5
+    assert_same(theirs["OUTPUT"], ours.pieces, ours.piece_fields, ids=("area_id",))
+    assert_same(theirs["ADJACENCY"], None, ours.neighbours, ids=())
 
 
 @pytest.mark.parametrize("crs, options", [

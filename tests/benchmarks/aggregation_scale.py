@@ -56,8 +56,6 @@ def by_tools(count):
     from many_polygons import Bench, memory
     from qgis.core import QgsFeature, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
 
-    from isthmus.algorithms.layers.wkb import INTEGER, field
-
     if count:
         shapes, values = made(count)
     else:
@@ -65,9 +63,7 @@ def by_tools(count):
         values = values[:, 0]
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder)
-        areas = QgsVectorLayer("Polygon?crs=EPSG:32612", "areas", "memory")
-        areas.dataProvider().addAttributes([field("class", INTEGER)])
-        areas.updateFields()
+        areas = QgsVectorLayer("Polygon?crs=EPSG:32612&field=class:integer", "areas", "memory")
         fields, path = areas.fields(), f"{folder}/areas.gpkg"
         options = QgsVectorFileWriter.SaveVectorOptions()
         writer = QgsVectorFileWriter.create(

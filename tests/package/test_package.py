@@ -147,6 +147,41 @@ def test_what_cannot_be_used_is_said(package, options, error, message):
         package.partition(ROOMS, smallest_part=options.pop("smallest_part", 0), **options)
 
 
+def test_new_vertices_only_where_they_are_allowed(package):
+    """A tooth over a wall without a vertex: in a Z and an M of their own, and of neighbours of other kinds."""
+    tooth = "(({0}0 0{1}, 20 0{2}, 20 10{2}, 11 10{1}, 10 1{1}, 9 10{1}, 0 10{1}, 0 0{1}))"
+    flat = shapely.from_wkt("POLYGON " + tooth.format("", "", ""))
+    high = shapely.from_wkt("POLYGON Z " + tooth.format("", " 4", " 8"))
+    for function in (package.partition, package.hierarchy, package.partition_within):
+        assert not any((10, 0) in one.exterior.coords for one in function(flat).parts.geoms)
+        found = function([flat, high], new_vertices=True)
+        assert 1.0 in found.cut_fields["length"].round(9)
+        points = {point for one in found.parts for point in one.exterior.coords}
+        assert {(10, 0), (10, 0, 6)} <= points
+    steps = package.tradeoff(flat, tau_min=3, smallest_part=0, new_vertices=True)
+    assert steps["length"][-1] == 1.0 != package.tradeoff(flat, tau_min=3, smallest_part=0)["length"][-1]
+
+
+def test_neighbours_get_the_new_vertices(package):
+    upper = "(0 0{0}, 20 0{1}, 20 10{1}, 11 10{0}, 10 1{0}, 9 10{0}, 0 10{0}, 0 0{0})"
+    lower = "(0 -5{0}, 20 -5{1}, 20 0{1}, 0 0{0}, 0 -5{0})"
+    kinds = {"": ("", ""), "Z": (" 4", " 8"), "ZM": (" 4 1", " 8 3")}
+    for a, b in (("", ""), ("Z", ""), ("", "Z"), ("Z", "ZM")):
+        if "M" in b and not hasattr(shapely, "has_m"):
+            continue
+        above = shapely.from_wkt(f"POLYGON {a} ({upper.format(*kinds[a])})")
+        below = shapely.from_wkt(f"POLYGON {b} ({lower.format(*kinds[b])})")
+        found = package.prepare_aggregation([above, below], new_vertices=True)
+        assert found.piece_fields["area_id"].tolist() == [0, 0, 1]
+        assert found.neighbours["length"].tolist() == [1, 10, 10]
+        for piece, kind in zip(found.pieces, (a, a, b)):
+            assert (piece.has_z, getattr(piece, "has_m", False)) == ("Z" in kind, "M" in kind)
+            rows = shapely.get_coordinates(piece, include_z="Z" in kind, **({"include_m": True} if "M" in kind else {}))
+            assert [10, 0, 6, 2][:2 + len(kind)] in rows.tolist()
+    alone = package.prepare_aggregation([above, below])
+    assert len(alone.pieces) == 2 and alone.pieces[1] == below
+
+
 def test_what_is_no_geometry_is_said(package):
     for wrong in (["x"], 5, [[ROOMS]], None):
         with pytest.raises(TypeError):
