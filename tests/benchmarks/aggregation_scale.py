@@ -54,8 +54,9 @@ def made(count):
 def by_tools(count):
     """Greedy as a tool: on the land cover, or on a made coverage and its pieces."""
     from many_polygons import Bench, memory
-    from qgis.core import QgsFeature, QgsField, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
-    from qgis.PyQt.QtCore import QVariant
+    from qgis.core import QgsFeature, QgsGeometry, QgsVectorFileWriter, QgsVectorLayer
+
+    from isthmus.algorithms.layers.wkb import INTEGER, field
 
     if count:
         shapes, values = made(count)
@@ -65,7 +66,7 @@ def by_tools(count):
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder)
         areas = QgsVectorLayer("Polygon?crs=EPSG:32612", "areas", "memory")
-        areas.dataProvider().addAttributes([QgsField("class", QVariant.Int)])
+        areas.dataProvider().addAttributes([field("class", INTEGER)])
         areas.updateFields()
         fields, path = areas.fields(), f"{folder}/areas.gpkg"
         options = QgsVectorFileWriter.SaveVectorOptions()
