@@ -2,6 +2,8 @@
 
 import doctest
 import importlib
+import importlib.metadata
+import importlib.util
 import inspect
 import re
 import subprocess
@@ -271,10 +273,11 @@ def test_version(package):
 def test_installs_and_runs_without_qgis(tmp_path):
     """`pip install .`, in a folder of its own, and what the README says to try."""
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(tmp_path / "site")]
-    # without it pip would have to fetch it
-    setuptools = pytest.importorskip("setuptools", reason="setuptools is not installed")
-    if int(setuptools.__version__.split(".")[0]) < 71:
-        pytest.importorskip("wheel", reason="setuptools is old, and needs wheel")
+    # without it pip would have to fetch it; it cannot be imported where QGIS has imported distutils before
+    if not importlib.util.find_spec("setuptools"):
+        pytest.skip("setuptools is not installed")
+    if int(importlib.metadata.version("setuptools").split(".")[0]) < 71 and not importlib.util.find_spec("wheel"):
+        pytest.skip("setuptools is old, and needs wheel")
     source = tmp_path / "source"
     source.mkdir()
     for name in ("pyproject.toml", "README.md", "python", "core"):
