@@ -219,10 +219,13 @@ def _served(net, leaf, value, serves):
     parent = net.tree.parent
     roots = net.tree.roots
     asking = np.flatnonzero(~leaf[roots:] & serves[parent[roots:]]) + roots
+    if not len(asking):
+        return asking
     demand = value[asking] + net.length[asking]
-    order = np.lexsort((asking, -demand, parent[asking]))
-    first = np.diff(parent[asking][order], prepend=-1) != 0
-    return asking[order[first]]
+    first = np.flatnonzero(np.diff(parent[asking], prepend=-1))  # children stand together
+    offsets = np.append(first, len(asking))
+    most = np.flatnonzero(demand == np.repeat(np.maximum.reduceat(demand, first), np.diff(offsets)))
+    return asking[most[np.searchsorted(most, first)]]
 
 
 def _sides_by_level(net, cut, check):
