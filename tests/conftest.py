@@ -38,6 +38,19 @@ def pytest_configure(config):
         os.environ.setdefault("PROJ_DATA", "/usr/share/proj")
 
 
+def pytest_sessionfinish(session, exitstatus):
+    session.config.exit_status = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    # after some thousand tests QGIS 3.40 crashes when Python takes it down, with all told and written
+    if "qgis.core" in sys.modules and hasattr(config, "exit_status"):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.exit_status)
+
+
 if "isthmus" not in sys.modules:
     _load("isthmus", ROOT)
 
