@@ -22,6 +22,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from ..progress import ignore
+from ..rings import offsets_of, ranges
 from . import pareto
 from .exact_fronts import cheapest_by_node
 from .min_size import SLACK, Network
@@ -326,8 +327,8 @@ def _deep(nodes, depth, easy):
     """
     order = np.flatnonzero(easy)
     order = order[np.argsort(-depth[order], kind="stable")]
-    by_node = BY_NODE * pareto.offsets(nodes[order])
-    rest = nodes[order].sum() - pareto.offsets(nodes[order])
+    by_node = BY_NODE * offsets_of(nodes[order])
+    rest = nodes[order].sum() - offsets_of(nodes[order])
     by_level = BY_LEVEL * np.append(depth[order], 0) + IN_LEVEL * rest
     deep = np.zeros(len(nodes), bool)
     deep[order[: np.argmin(by_node + by_level)]] = True
@@ -419,7 +420,7 @@ class _Pass:
             pair = last | (count > 2)
             items = np.maximum(1, np.where(pair, (count + 1) >> 1, count))
             node = np.repeat(np.arange(len(count)), items)
-            k = pareto.ranges(np.zeros(len(count), np.int64), items)
+            k = ranges(np.zeros(len(count), np.int64), items)
             base = np.where((k == 0) & (not rounds), forest.base[level][node], 0.0)
             k *= 1 + pair[node]
             first = (np.cumsum(count) - count)[node]
@@ -480,7 +481,7 @@ class _Pass:
         if len(parts) > 2:
             order = np.argsort(seg, kind="stable")
             seg, weight, value, i, j = (x[order] for x in (seg, weight, value, i, j))
-        ptr = pareto.offsets(np.bincount(seg, minlength=2 * len(left)))
+        ptr = offsets_of(np.bincount(seg, minlength=2 * len(left)))
         if self.lower:  # never traced
             return pareto.Front(ptr, weight, value)
         return pareto.Front(ptr, weight, value, i.astype(np.int32), j.astype(np.int32))

@@ -19,9 +19,11 @@ from typing import Callable, Iterator
 
 import numpy as np
 
+from ..rings import offsets_of, ranges
+
 __all__ = [
     "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
-    "offsets", "pack", "pair_count", "pareto", "ranges", "sizes", "small_pairs", "tabulated",
+    "pack", "pair_count", "pareto", "sizes", "small_pairs", "tabulated",
 ]  # fmt: skip
 
 CHUNK = 1 << 18  # pairs of points handled in one numpy call
@@ -55,7 +57,7 @@ class Front:
 
     def take(self, points: np.ndarray, segments: np.ndarray) -> Front:
         """Sub-front of some points (ascending) that lie in the given segments."""
-        ptr = offsets(np.bincount(segments, minlength=len(self.ptr) - 1))
+        ptr = offsets_of(np.bincount(segments, minlength=len(self.ptr) - 1))
         pick = [None if x is None else x[points] for x in (self.left, self.right, self.cut)]
         return Front(ptr, self.weight[points], self.value[points], *pick)
 
@@ -65,7 +67,7 @@ class Front:
         segments[1::2] += 1
         size = np.diff(self.ptr)[segments]
         points = ranges(self.ptr[segments], size)
-        part = Front(offsets(size), None, self.value[points])
+        part = Front(offsets_of(size), None, self.value[points])
         part.rest, part.floor = self.rest[points], self.floor[edges]
         return part
 
@@ -124,24 +126,12 @@ class Join:
         self.front, self.left, self.right, self.base = front, left, right, base
 
 
-def offsets(count: np.ndarray) -> np.ndarray:
-    """0 and the running sums."""
-    return np.concatenate(([0], np.cumsum(count)))
-
-
 def pack(major: np.ndarray, minor: np.ndarray) -> np.ndarray:
     """Key that numpy sorts and minimises by (major, minor), exactly: complex is lexicographic."""
     key = np.empty(len(minor), complex)
     key.real = major
     key.imag = minor
     return key
-
-
-def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
-    """start[0], start[0]+1, ... (count[0] numbers), start[1], ..."""
-    end = np.cumsum(count)
-    total = int(end[-1]) if len(end) else 0
-    return np.arange(total) + np.repeat(start - end + count, count)
 
 
 def pareto(
@@ -294,10 +284,10 @@ def assemble(
     add[::2] = own[0]
     if root is not None:
         add[1::2] = root[0]
-    ptr = offsets(np.bincount(seg[keep], minlength=segments) + add)
+    ptr = offsets_of(np.bincount(seg[keep], minlength=segments) + add)
     source = np.empty(ptr[-1], np.int64)
     weights, values, cut = np.empty(ptr[-1]), np.empty(ptr[-1]), np.zeros(ptr[-1], bool)
-    at = np.arange(len(keep)) + offsets(add)[seg[keep]]
+    at = np.arange(len(keep)) + offsets_of(add)[seg[keep]]
     source[at], weights[at], values[at] = keep, whole.weight[keep], value[keep]
     for kind, extra in enumerate((own, root)):
         if extra is not None:
