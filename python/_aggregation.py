@@ -11,7 +11,7 @@ from . import _geometry, _kinds
 from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _problems, _reasons, _settings
 from ._kinds import Source
 from .core.aggregation import areas as core
-from .core.aggregation.coverage import faults, joined, with_shared_vertices
+from .core.aggregation.coverage import faults, joined
 from .core.aggregation.instance import Costs, Solution, costs
 from .core.aggregation.methods import METHODS, by_method
 from .core.aggregation.outcome import Outcome, lost_areas, outcome
@@ -93,8 +93,8 @@ def prepare_aggregation(
 ) -> Pieces:
     """Cut the areas of a map at their bottlenecks, before they are aggregated.
 
-    The tool ``isthmus:prepareaggregation``. No vertex is moved or added, so what neighbours share they still
-    share.
+    The tool ``isthmus:prepareaggregation``. No vertex is moved, and where new ones are allowed neighbours get
+    them, too: what neighbours share they still share.
 
     Parameters
     ----------
@@ -152,13 +152,9 @@ def prepare_aggregation(
     all_rings = core.joined_rings(_alike(rings))
     verdicts = np.concatenate([np.empty(0, dtype=object), *status])
     made = np.concatenate([np.empty(0, dtype=object), *geometry])
-    arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
     is_new = np.concatenate([np.empty(0, dtype=bool), *new])
-    if is_new.any():  # neighbours get these vertices, too
-        all_rings, grown = with_shared_vertices(
-            all_rings, is_new, arranged.coverage, core.rows_of(arranged, all_rings)
-        )
-        arranged = core.arrange(range(len(of)), all_rings, np.arange(len(of)), measure, metre)
+    arranged, all_rings, grown = core.arrange_pieces(all_rings, is_new, measure, metre)
+    if is_new.any():
         extra = _geometry.extra_of(origin.geometries)[of]
         rows = np.arange(len(all_rings.coords))
         anew = _geometry.polygons(all_rings.coords, rows, all_rings.offsets, all_rings.polygon_offsets, extra)

@@ -11,11 +11,11 @@ import shapely
 from ..errors import IsthmusError
 from ..metric import FARTHEST, Metric
 from ..rings import Rings, groups, offsets_of, take
-from .coverage import Coverage, centroids, cover, shapes, shared, spreads
+from .coverage import Coverage, centroids, cover, shapes, shared, spreads, with_shared_vertices
 from .instance import Instance, build
 
-__all__ = ["Areas", "arrange", "invalid", "joined_rings", "neighbours", "piece_fields", "posed", "reasons_of",
-           "rows_of"]
+__all__ = ["Areas", "arrange", "arrange_pieces", "invalid", "joined_rings", "neighbours", "piece_fields",
+           "posed", "reasons_of"]
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
 LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
@@ -55,9 +55,41 @@ class Areas(NamedTuple):
     measure: Metric
 
 
-def rows_of(areas: Areas, rings: Rings) -> np.ndarray:
-    """Return the row in the rings that areas were arranged from, of each row of their coverage."""
-    return take(rings.offsets, _measured_rings(rings, areas.measured))[0]
+def arrange_pieces(
+    rings: Rings, is_new: np.ndarray, measure: Metric, metre: float
+) -> tuple[Areas, Rings, np.ndarray]:
+    """Return the areas of pieces, one polygon each, whose new vertices the neighbours get, too.
+
+    Parameters
+    ----------
+    rings : Rings
+    is_new : (k,) bool
+        The rows of new vertices.
+    measure, metre
+        See `arrange`.
+
+    Returns
+    -------
+    areas : Areas
+    rings : Rings
+        With the vertices of the neighbours.
+    grown : (p,) bool
+        The pieces that got some.
+
+    Examples
+    --------
+    >>> from ..metric import planar
+    >>> rings = Rings(np.array([[0, 0], [2, 0], [1, 1.0]]), np.array([0, 3]), np.array([0, 1]))
+    >>> arrange_pieces(rings, np.zeros(3, dtype=bool), planar(), 1.0)[0].size
+    array([1.])
+    """
+    count = len(rings.polygon_offsets) - 1
+    areas, grown = arrange(range(count), rings, np.arange(count), measure, metre), np.zeros(count, dtype=bool)
+    if is_new.any():
+        row = take(rings.offsets, _measured_rings(rings, areas.measured))[0]
+        rings, grown = with_shared_vertices(rings, is_new, areas.coverage, row)
+        areas = arrange(range(count), rings, np.arange(count), measure, metre)
+    return areas, rings, grown
 
 
 def _measured_rings(rings: Rings, measured: np.ndarray) -> np.ndarray:
