@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.partition.nesting import NO_END
+from ...core.partition.hierarchy import hierarchy
+from ...core.partition.nesting import NO_END, ranked
+from ...core.partition.solve import select
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
 from .solving import Settings, measure_of, prepare, read
@@ -77,8 +79,6 @@ class Preview(NamedTuple):
         -------
         Shown
         """
-        from ...core.partition.solve import select
-
         chosen = []
         for problem in self.problems:
             selection = select(problem.prepared, tau, with_dilation=False)
@@ -141,9 +141,6 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
     -------
     Preview
     """
-    from ...core.partition.hierarchy import hierarchy
-    from ...core.partition.solve import select
-
     settings = Settings(
         measure=measure_of(crs), natural=places == NATURAL,
         floors={
@@ -159,16 +156,10 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
         selection = select(prepared, tau, check=stretch(check, 0.5, 0.6), with_dilation=False)
         found = hierarchy(prepared, selection, stretch(check, 0.6, 1.0))
         selected, in_tree = selection.selected, np.isin(selection.selected, selection.carved.tree)
-        owner = prepared.owner[selected]
-        feature = problem.owner[owner]
-        # as in nesting.nest
-        persistence = np.clip(found.persistence, np.nextafter(tau, np.inf), NO_END)
-        solved = problem.verdict[prepared.polygons.number[owner]] == ""
-        order = np.lexsort((found.rank, owner, -persistence, feature))
-        order = order[(solved & ~in_tree)[order]]
-        first = np.searchsorted(feature[order], np.arange(len(chunk.features) + 1))
-        place = np.full(len(selected), -1)
-        place[order] = np.arange(len(order)) - first[feature[order]]
+        persistence, rank, _ = ranked(
+            problem, selected, found, np.full(len(chunk.features), tau),
+            problem.solved[prepared.owner[selected]] & ~in_tree,
+        )
         problems.append(problem)
-        nested.append((selected, persistence, in_tree, place))
+        nested.append((selected, persistence, in_tree, rank - 1))
     return Preview(problems, nested, tau)

@@ -13,11 +13,11 @@ import numpy as np
 from ..progress import ignore, stretch
 from ..rings import offsets_of, ranges, take
 from .features import Pieces, Problem, pieces
-from .hierarchy import Levels, hierarchy, levels
+from .hierarchy import Hierarchy, Levels, hierarchy, levels
 from .parts import Parts, build_parts, merged_parts
 from .solve import Selection, select
 
-__all__ = ["NO_END", "Items", "Nested", "cuts", "items_of", "nest", "shapes"]
+__all__ = ["NO_END", "Items", "Nested", "cuts", "items_of", "nest", "ranked", "shapes"]
 
 # "Without end": every format stores it, a shapefile's 24 characters too
 NO_END = 1e9
@@ -100,16 +100,10 @@ def nest(
         prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area
     )
 
-    owner = prepared.owner[selected]
-    feature = problem.owner[owner]
-    # the finest level has all cuts, though in another T one may turn out not to be needed
-    persistence = np.clip(found.persistence, np.nextafter(tau[feature], np.inf), NO_END)
-    by_rank = np.lexsort((found.rank, owner, -persistence, feature))
-    cuts = problem.verdict[prepared.polygons.number[owner]] == ""
-    by_rank = by_rank[cuts[by_rank]]
-    rank = np.zeros(len(selected), dtype=np.int64)
+    feature = problem.owner[prepared.owner[selected]]
+    cuts = problem.solved[prepared.owner[selected]]
+    persistence, rank, by_rank = ranked(problem, selected, found, tau, cuts)
     first = np.searchsorted(feature[by_rank], np.arange(len(features) + 1))
-    rank[by_rank] = np.arange(len(by_rank)) - first[feature[by_rank]] + 1
 
     # a cut that goes at once parts nothing; one that never goes parts all levels
     goes = np.where(cuts, np.where(persistence < NO_END, persistence, np.inf), 0.0)
@@ -169,6 +163,42 @@ class Items(NamedTuple):
     area: np.ndarray
     part: np.ndarray
     whole: np.ndarray
+
+
+def ranked(
+    problem: Problem, selected: np.ndarray, found: Hierarchy, tau: np.ndarray, counted: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return how persistent selected edges are, and their rank in their feature.
+
+    Parameters
+    ----------
+    problem : Problem
+    selected : (s,) int
+    found : hierarchy.Hierarchy
+        Of these.
+    tau : (f,) float
+        Where the levels of each feature begin.
+    counted : (s,) bool
+        The edges that have a rank.
+
+    Returns
+    -------
+    persistence : (s,) float
+    rank : (s,) int
+        1 for the most persistent of a feature; 0 for those without.
+    order : (c,) int
+        Those with a rank, by feature and rank.
+    """
+    owner = problem.prepared.owner[selected]
+    feature = problem.owner[owner]
+    # the finest level has all cuts, though in another T one may turn out not to be needed
+    persistence = np.clip(found.persistence, np.nextafter(tau[feature], np.inf), NO_END)
+    order = np.lexsort((found.rank, owner, -persistence, feature))
+    order = order[counted[order]]
+    rank = np.zeros(len(selected), dtype=np.int64)
+    first = np.searchsorted(feature[order], np.arange(len(tau) + 1))
+    rank[order] = np.arange(len(order)) - first[feature[order]] + 1
+    return persistence, rank, order
 
 
 def items_of(problem: Problem, nested: Nested) -> Items:
