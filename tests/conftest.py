@@ -63,6 +63,20 @@ def package():
 
 
 @pytest.fixture(scope="session")
+def provider(qgis_app, qgis_processing):
+    """The provider of the tools, registered."""
+    from isthmus.algorithms.provider import IsthmusProvider
+    from qgis.core import QgsApplication
+
+    registry = QgsApplication.processingRegistry()
+    provider = registry.providerById("isthmus")
+    if provider is None:
+        provider = IsthmusProvider()
+        registry.addProvider(provider)
+    yield provider
+
+
+@pytest.fixture(scope="session")
 def tool():
     """Load a script of tools/, which is no package, as a module: ``tool(name)``."""
 

@@ -5,7 +5,6 @@ import pytest
 pytest.importorskip("qgis.core", reason="these tests need QGIS")
 
 from qgis.core import (  # noqa: E402
-    QgsApplication,
     QgsFeature,
     QgsFeatureSink,
     QgsGeometry,
@@ -37,19 +36,6 @@ class Feedback(QgsProcessingFeedback):
 
     def pushInfo(self, text):
         self.infos.append(text)
-
-
-@pytest.fixture(scope="session")
-def provider(qgis_app, qgis_processing):
-    """The provider, registered."""
-    from isthmus.algorithms.provider import IsthmusProvider
-
-    registry = QgsApplication.processingRegistry()
-    provider = registry.providerById("isthmus")
-    if provider is None:  # other tests may have been first
-        provider = IsthmusProvider()
-        registry.addProvider(provider)
-    yield provider
 
 
 @pytest.fixture

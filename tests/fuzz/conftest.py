@@ -10,16 +10,9 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "core")]
 
 
 @pytest.fixture(scope="session")
-def tools(qgis_app, qgis_processing):
-    """The provider, registered, its tools watched for exceptions."""
-    pytest.importorskip("qgis.core", reason="these tests need QGIS")
+def tools(provider):
+    """The provider, its tools watched for exceptions."""
     import cases
-    from isthmus.algorithms.provider import IsthmusProvider
-    from qgis.core import QgsApplication
 
-    registry = QgsApplication.processingRegistry()
-    if registry.providerById("isthmus") is None:
-        registry.addProvider(IsthmusProvider())
-    provider = registry.providerById("isthmus")
     cases.watch({type(tool) for tool in provider.algorithms()})
     return provider

@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("qgis.gui", reason="these tests need QGIS")
 
-from qgis.core import QgsApplication, QgsProject  # noqa: E402
+from qgis.core import QgsProject  # noqa: E402
 from qgis.gui import QgsMapCanvas, QgsMessageBar  # noqa: E402
 from qgis.PyQt.QtCore import QEventLoop, QTimer  # noqa: E402
 from qgis.PyQt.QtWidgets import QMainWindow  # noqa: E402
@@ -44,18 +44,6 @@ class Iface:
 
     def removeDockWidget(self, dock):
         self.window.removeDockWidget(dock)
-
-
-@pytest.fixture(scope="session")
-def provider(qgis_app, qgis_processing):
-    from isthmus.algorithms.provider import IsthmusProvider
-
-    registry = QgsApplication.processingRegistry()
-    provider = registry.providerById("isthmus")
-    if provider is None:  # other tests may have been first
-        provider = IsthmusProvider()
-        registry.addProvider(provider)
-    yield provider
 
 
 @pytest.fixture
