@@ -381,7 +381,7 @@ class CuttingTool(PartitionTool):
                     for chunk in read(features, settings, feedback):
                         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
                         selection, tau = choose(problem, stretch(check, 0.5, 0.7))
-                        writer.short += without_vertex(problem, selection, tau)
+                        writer.told.short += without_vertex(problem, selection, tau)
                         solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
                         writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
@@ -395,7 +395,7 @@ class CuttingTool(PartitionTool):
         style_on_load(context, destinations.get(self.CUTS), "cuts.qml", 0)
         style_on_load(context, destinations.get(self.DIAGONALS), None, 1)
         style_on_load(context, destinations.get(self.OUTPUT), "parts.qml", 3)
-        return {**destinations, **writer.numbers}
+        return {**destinations, **writer.numbers, self.SKIPPED_COUNT: writer.told.skipped}
 
     def extra_values(self, problem, solution):
         """Return the values of `extra_fields` for each feature of a chunk, a list each."""
@@ -411,11 +411,68 @@ def finish(problem, selection, settings, check):
     )
 
 
+class Told:
+    """What the log says of a run, chunk by chunk: what came out small, did not count, or was not cut.
+
+    Attributes
+    ----------
+    small : int
+        Parts smaller than 1 per cent of their feature.
+    holes, rules : int, list of int
+        Holes that were set aside, and the sums of `Prepared.set_aside`.
+    short, skipped : int
+        Places without a vertex to cut at; features of which something was not cut.
+    """
+
+    def __init__(self):
+        self.small, self.holes, self.rules, self.short, self.skipped = 0, 0, [0] * 5, 0, 0
+
+    def count(self, prepared):
+        """Count what was set aside in a chunk."""
+        self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
+        self.holes += int((~prepared.wanted[prepared.component]).sum())
+
+    def reason(self, feature, verdicts, feedback):
+        """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
+        text = "; ".join(reasons_of(feature, verdicts))
+        if text:
+            self.skipped += 1
+            feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
+        return text
+
+    def report(self, feedback, more=""):
+        """Say it; ``more`` before what was not cut."""
+        feedback.pushInfo(self._set_aside())
+        report_short(feedback, self.short)
+        if more:
+            feedback.pushInfo(more)
+        if self.skipped:
+            feedback.pushInfo(
+                f"Not cut: {counted(self.skipped, 'feature')}; see the field status of the parts."
+            )
+
+    def _set_aside(self):
+        """What did not count, by which rule, and what to change if that is not wanted."""
+        text = (
+            f"{counted(self.small, 'part')} {'is' if self.small == 1 else 'are'} smaller than 1 per cent "
+            "of the feature."
+        )
+        _, below, *by_place = self.rules
+        if not (self.holes or below or any(by_place)):
+            return text + " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
+        return text + (
+            f" Set aside: {counted(self.holes, 'hole')} and {counted(below, 'diagonal')} with less on "
+            f"one side than SMALLEST_PART (or MIN_HOLE); {sum(by_place):,} where the outline "
+            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
+            "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
+        )
+
+
 class _Writer:
     """Writes what was solved, and counts it."""
 
     def __init__(self, tool, source, wkb_type, sinks):
-        self.tool, self.sinks = tool, sinks
+        self.tool, self.sinks, self.told = tool, sinks, Told()
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
         self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
@@ -435,11 +492,9 @@ class _Writer:
             tool.CUT_COUNT: 0,
             tool.CUT_LENGTH: 0.0,
             tool.MAX_DILATION: 1.0,
-            tool.SKIPPED_COUNT: 0,
             tool.COST: 0.0,
             tool.LOWER_BOUND: 0.0,
         }
-        self.small, self.holes, self.rules, self.short = 0, 0, [0] * 5, 0
         self.done = 0  # features that are written as a whole
 
     def write(self, problem, solution, feedback, check):
@@ -453,19 +508,15 @@ class _Writer:
         some = np.bincount(problem.owner[solved], minlength=len(chunk.features)) > 0
         self.numbers[tool.COST] += float(cost.sum())
         self.numbers[tool.LOWER_BOUND] += float(bound.sum())
-        if solved.any():
-            self.numbers[tool.MAX_DILATION] = max(
-                self.numbers[tool.MAX_DILATION],
-                float(np.max(solution.largest_dilation[solved], initial=1.0)),
-            )
+        self.numbers[tool.MAX_DILATION] = float(
+            np.max(solution.largest_dilation[solved], initial=self.numbers[tool.MAX_DILATION])
+        )
         per_feature = np.diff(found.feature_offsets)
         of = np.repeat(np.arange(len(chunk.features)), per_feature)
         total = np.bincount(of, weights=found.area, minlength=len(chunk.features))
         share = found.area < 0.01 * total[of]
-        self.small += int((share & (per_feature[of] > 1)).sum())
-        prepared = problem.prepared
-        self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
-        self.holes += int((~prepared.wanted[prepared.component]).sum())
+        self.told.small += int((share & (per_feature[of] > 1)).sum())
+        self.told.count(problem.prepared)
         own = solved[solution.owner]  # edges of polygons that are solved
         selected = own & (solution.role == 0)
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
@@ -488,12 +539,8 @@ class _Writer:
         for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
             check(f / len(chunk.features) if f % 8 == 0 else None)
             lo, hi = bounds[f], bounds[f + 1]
-            reasons = reasons_of(feature, verdicts[lo:hi])
+            text = self.told.reason(feature, verdicts[lo:hi], feedback)
             attributes, origin = feature.attributes(), f"feature {feature.id()}"
-            if reasons:
-                self.numbers[tool.SKIPPED_COUNT] += 1
-                text = "; ".join(reasons)
-                feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
             if not some[f]:  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
@@ -562,7 +609,7 @@ class _Writer:
             feedback.pushWarning("Cancelled: the results are not complete.")
             return
         tool, numbers = self.tool, self.numbers
-        length, skipped = numbers[tool.CUT_LENGTH], numbers[tool.SKIPPED_COUNT]
+        length = numbers[tool.CUT_LENGTH]
         text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
         feedback.pushInfo(
             f"{counted(numbers[tool.PART_COUNT], 'part')}, made by "
@@ -570,35 +617,7 @@ class _Writer:
             f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
             f"{numbers[tool.MAX_DILATION]:.4g}."
         )
-        report_rules(feedback, self.small, self.holes, self.rules)
-        report_short(feedback, self.short)
-        if skipped:
-            feedback.pushInfo(
-                f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
-            )
-
-
-def report_rules(feedback, small, holes, rules):
-    """Say what did not count, by which rule, and what to change if that is not wanted.
-
-    ``small`` parts came out, ``holes`` were set aside, and of the diagonals as many as ``rules`` has (the
-    sums of `Prepared.set_aside`).
-    """
-    text = (
-        f"{counted(small, 'part')} {'is' if small == 1 else 'are'} smaller than 1 per cent "
-        "of the feature."
-    )
-    if holes or sum(rules[1:]):
-        _, below, straight, even, used = rules
-        text += (
-            f" Set aside: {counted(holes, 'hole')} and {counted(below, 'diagonal')} with less on "
-            f"one side than SMALLEST_PART (or MIN_HOLE); {straight + even + used:,} where the outline "
-            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
-            "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-        )
-    else:
-        text += " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
-    feedback.pushInfo(text)
+        self.told.report(feedback)
 
 
 def report_short(feedback, short):

@@ -21,8 +21,8 @@ from ..layers.sinks import Sinks, make_fields
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from .cutting import PartitionTool, report_rules, report_short
-from .solving import prepare, read, reasons_of
+from .cutting import PartitionTool, Told
+from .solving import prepare, read
 
 LEVEL_FIELDS = (
     ("part", INTEGER), ("parent", INTEGER), ("level", INTEGER), ("from_tau", REAL), ("to_tau", REAL),
@@ -180,7 +180,7 @@ class HierarchyAlgorithm(PartitionTool):
                             for of in (tau_of, parts_of)
                         )
                         nested = nest(problem, tau, parts, stretch(check, 0.4, 0.8))
-                        writer.short += without_vertex(problem, nested.selection, nested.tau)
+                        writer.told.short += without_vertex(problem, nested.selection, nested.tau)
                         writer.write(problem, nested, feedback, stretch(check, 0.8, 1.0))
             except Cancelled:
                 pass
@@ -189,14 +189,14 @@ class HierarchyAlgorithm(PartitionTool):
         style_on_load(context, destinations.get(self.CUTS), "hierarchy_cuts.qml", 0)
         style = "hierarchy_parts.qml" if parts_of is None else "parts.qml"
         style_on_load(context, destinations.get(self.OUTPUT), style, 3)
-        return {**destinations, **writer.numbers}
+        return {**destinations, **writer.numbers, self.SKIPPED_COUNT: writer.told.skipped}
 
 
 class _Writer:
     """Writes levels, and counts what is in them."""
 
     def __init__(self, tool, source, wkb_type, sinks):
-        self.tool, self.sinks = tool, sinks
+        self.tool, self.sinks, self.told = tool, sinks, Told()
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
         sinks.open(
@@ -206,25 +206,23 @@ class _Writer:
         self.with_cuts = sinks.open(
             tool.CUTS, make_fields(RANKED_FIELDS), wkb.line_type(wkb_type), crs, False
         )
-        self.numbers = dict.fromkeys((tool.PART_COUNT, tool.CUT_COUNT, tool.SKIPPED_COUNT), 0)
-        self.most, self.missed, self.small, self.holes, self.rules = 0, 0, 0, 0, [0] * 5
-        self.short = 0
+        self.numbers = dict.fromkeys((tool.PART_COUNT, tool.CUT_COUNT), 0)
+        self.most, self.missed = 0, 0
 
     def write(self, problem, nested, feedback, check):
         """Write the levels of a chunk, and tell what of it could not be solved."""
         from ...core.partition.nesting import NO_END, items_of
 
-        chunk, tool, prepared = problem.chunk, self.tool, problem.prepared
+        chunk, tool = problem.chunk, self.tool
         count = len(chunk.features)
         items = items_of(problem, nested)
         own = items.level == 0
         at_first = np.bincount(items.feature[own], minlength=count)
         total = np.bincount(items.feature[own], weights=items.area[own], minlength=count)
         small = own & (items.area < 0.01 * total[items.feature]) & (at_first[items.feature] > 1)
-        self.small += int(small.sum())
+        self.told.small += int(small.sum())
+        self.told.count(problem.prepared)
         self.missed += nested.missed
-        self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
-        self.holes += int((~prepared.wanted[prepared.component]).sum())
         self.most = max(self.most, int(items.level.max(initial=-1)) + 1)
         self.numbers[tool.CUT_COUNT] += int(nested.cuts.sum())
 
@@ -237,12 +235,8 @@ class _Writer:
         cuts, lines = self._cuts(problem, nested) if self.with_cuts else ([], None)
         for f, feature in enumerate(chunk.features):
             lo, hi = bounds[f], bounds[f + 1]
-            reasons = reasons_of(feature, verdicts[lo:hi])
+            text = self.told.reason(feature, verdicts[lo:hi], feedback)
             attributes, origin = feature.attributes(), f"feature {feature.id()}"
-            if reasons:
-                self.numbers[tool.SKIPPED_COUNT] += 1
-                text = "; ".join(reasons)
-                feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
             if all(verdicts[lo:hi]):  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
@@ -287,18 +281,11 @@ class _Writer:
             f"{counted(numbers[tool.PART_COUNT], 'part')} in at most {counted(self.most, 'level')} of a "
             f"feature, made by {counted(numbers[tool.CUT_COUNT], 'cut')}."
         )
-        report_rules(feedback, self.small, self.holes, self.rules)
-        report_short(feedback, self.short)
-        if self.missed:
-            feedback.pushInfo(
-                f"{counted(self.missed, 'feature')} cannot have so many or so few parts (PARTS), and got "
-                "the next best number. A smaller TAU gives more cuts to choose from."
-            )
-        skipped = numbers[tool.SKIPPED_COUNT]
-        if skipped:
-            feedback.pushInfo(
-                f"Not cut: {counted(skipped, 'feature')}; see the field status of the parts."
-            )
+        more = self.missed and (
+            f"{counted(self.missed, 'feature')} cannot have so many or so few parts (PARTS), and got "
+            "the next best number. A smaller TAU gives more cuts to choose from."
+        )
+        self.told.report(feedback, more)
 
 
 def _geometries(problem, nested, items, multi):
