@@ -1,6 +1,6 @@
 """The tool ``isthmus:aggregate``."""
 
-
+import numpy as np
 from qgis.core import (
     QgsProcessing,
     QgsProcessingParameterBoolean,
@@ -305,8 +305,6 @@ def highs_problem():
     try:
         require_highs()
     except MissingEngine as problem:
-        import numpy
-
-        hint = install_hint(numpy.__version__, ['"scipy>=1.9"'])
+        hint = install_hint(np.__version__, ['"scipy>=1.9"'])
         return f"{str(problem)[0].upper()}{str(problem)[1:]}. {hint}"
     return ""

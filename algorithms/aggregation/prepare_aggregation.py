@@ -1,6 +1,5 @@
 """The tool ``isthmus:prepareaggregation``."""
 
-
 from qgis.core import (
     QgsProcessing,
     QgsProcessingParameterEnum,

@@ -32,13 +32,13 @@ from qgis.core import (
 )
 
 from ..base import IsthmusAlgorithm
-from ..dependencies import dependency_problem
+from ..dependencies import dependency_problem, install_hint
 from ..layers import wkb
 from ..layers.sinks import Sinks, make_fields
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..layers.wkb import REAL, TEXT
-from ..partition.cutting import ANY, NATURAL, PLACES
+from ..partition.cutting import ANY, NATURAL, places_parameter
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -205,14 +205,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             decimals=2,
         )
         add(
-            QgsProcessingParameterEnum(
-                self.PLACES,
-                "Where a cut may lie",
-                options=PLACES,
-                defaultValue=ANY,
-                usesStaticStrings=True,
-                optional=True,  # models of before do not give it
-            ),
+            places_parameter(self.PLACES, ANY),
             "For MinSize and MinLength. Natural: only where people see parts meet, at places where the "
             "outline is concave and the polygon opens up beside the cut; a few edges then do, but the shape "
             "is kept less well. Any: between any two vertices that a triangulation joins, as in the paper.",
@@ -603,13 +596,9 @@ def scipy_problem():
         import scipy.sparse.linalg  # noqa: F401
         import scipy.spatial  # noqa: F401
     except ImportError:
-        import numpy
-
         return (
-            "This tool needs the Python package scipy. To install it, run this (on Windows in the "
-            f'OSGeo4W Shell), then restart QGIS: python3 -m pip install --user scipy '
-            f'"numpy=={numpy.__version__}" (the last word keeps QGIS\'s own numpy; on Debian and '
-            "Ubuntu: apt install python3-scipy)"
+            f"This tool needs the Python package scipy. {install_hint(np.__version__, ['scipy'])}; "
+            "on Debian and Ubuntu: apt install python3-scipy"
         )
     return ""
 

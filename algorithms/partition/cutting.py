@@ -59,6 +59,18 @@ DIAGONAL_FIELDS = (
 )
 
 
+def places_parameter(name, default):
+    """Return the parameter that says where a cut may lie."""
+    return QgsProcessingParameterEnum(
+        name,
+        "Where a cut may lie",
+        list(PLACES),
+        defaultValue=default,
+        usesStaticStrings=True,
+        optional=True,  # models of before do not give it
+    )
+
+
 class PartitionTool(IsthmusAlgorithm):
     """Base of the tools that solve the partition problem for each feature."""
 
@@ -123,14 +135,7 @@ class PartitionTool(IsthmusAlgorithm):
     def add_places(self, places=NATURAL, smallest=SMALLEST):
         """Add the parameters that say where a cut may lie."""
         self.add(
-            QgsProcessingParameterEnum(
-                self.PLACES,
-                "Where a cut may lie",
-                list(PLACES),
-                defaultValue=places,
-                usesStaticStrings=True,
-                optional=True,  # models of before do not give it
-            ),
+            places_parameter(self.PLACES, places),
             "Natural: only where people see parts meet, at places where the outline is concave and the "
             "polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, "
             "as in the paper.",
