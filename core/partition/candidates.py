@@ -190,10 +190,9 @@ def from_triangulation(
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]
-        chosen = natural(
-            rest, edges, triangles, position, measure, smallest[own] / unit / unit
-        )
-        good = large_places(rest, short, measure, smallest[own] / unit / unit)
+        least = smallest[own] / unit / unit
+        chosen = natural(rest, edges, triangles, position, measure, least)
+        good = large_places(rest, short, measure, least)
         if only_natural:
             good &= concave_places(rest, short, chosen.outline)
         short = Places(*(x[good] for x in short))
