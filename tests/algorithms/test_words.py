@@ -33,8 +33,11 @@ def test_every_choice_takes_its_numbers_and_no_others(provider):
                 assert tool.with_names({name: k, "INPUT": 1}) == {name: option, "INPUT": 1}
                 assert tool.with_names({name: str(k)}) == {name: option}
             for wrong in (len(options), -1, "Nowhere", str(len(options))):
-                ok, _ = tool.checkParameterValues({name: wrong}, context)
+                ok, said = tool.checkParameterValues({name: wrong}, context)
                 assert not ok and tool.with_names({name: wrong}) == {name: wrong}
+                # which there are
+                assert said.startswith(f"{name} must be one of {', '.join(options)} (") and repr(wrong) in said
+            assert "must be one of" not in tool.checkParameterValues({name: None}, context)[1]
     assert seen >= 6
 
 
