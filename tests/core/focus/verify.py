@@ -81,7 +81,8 @@ def verify(before, after, starts, features):
         shapely.multipolygons(shapes, indices=feature, out=many)
         whole.append(shapely.is_valid(many))
     broken = np.union1d(np.flatnonzero(whole[0] & ~whole[1]), feature[valid[0] & ~valid[1]])
-    turned = sum(_turned(before, after, starts, polygons[k]) for k in np.flatnonzero(valid[0]).tolist())
+    flat = 1e-11 * np.ptp(before, axis=0).max(initial=0.0)
+    turned = sum(_turned(before, after, starts, polygons[k], flat) for k in np.flatnonzero(valid[0]).tolist())
     return Verdict(turned, crossings, len(broken), apart, True)
 
 
@@ -200,8 +201,8 @@ def _shapes(xy, starts, polygons):
     return shapes
 
 
-def _turned(before, after, starts, lines):
-    """Triangles of the constrained Delaunay triangulation of a polygon that are turned."""
+def _turned(before, after, starts, lines, flat):
+    """Triangles of the constrained Delaunay triangulation of a polygon that are turned, unless flat."""
     import triangle
 
     rings = [np.arange(starts[k], starts[k + 1] - 1) for k in lines]
@@ -222,5 +223,5 @@ def _turned(before, after, starts, lines):
         sign.append((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
     a, b, c = before[at].transpose(1, 0, 2)
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
-    seen = np.abs(sign[0]) > 1e-11 * longest * np.ptp(before, axis=0).max()  # else flat but for rounding
+    seen = np.abs(sign[0]) > flat * longest  # else flat but for rounding
     return int(np.count_nonzero(seen & (sign[0] * sign[1] <= 0.0)))
