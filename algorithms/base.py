@@ -109,11 +109,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def choice_problem(self, parameters):
         """Return a sentence about a choice that there is not, or ''. QGIS does not say which there are."""
         for definition in self.parameterDefinitions():
-            value = parameters.get(definition.name())
-            if not isinstance(definition, QgsProcessingParameterEnum) or not isinstance(value, (str, int, float)):
+            if not isinstance(definition, QgsProcessingParameterEnum):
                 continue
-            options = definition.options()
-            if value not in options and not (value == "" and definition.flags() & OPTIONAL):
+            value, options = parameters.get(definition.name()), definition.options()
+            empty = value == "" and definition.flags() & OPTIONAL
+            if isinstance(value, (str, int, float)) and value not in options and not empty:
                 return (
                     f"{definition.name()} must be one of {', '.join(options)} (or its number, 0 to "
                     f"{len(options) - 1}), and is {value!r}."
@@ -219,4 +219,4 @@ def _without_frames(process):
 
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
-    return f"{number:,} {what}{'s' * (number != 1)}"
+    return f"{number:,} {tr(what if number == 1 else f'{what}s')}"
