@@ -125,11 +125,18 @@ def cover(
     tail, head, row = point[start], point[end], start
     polygon = ring_polygon[ring[edge]]
 
-    reach = np.abs(points).max(axis=1)
-    np.maximum.at(reach, tail, np.abs(points[head]).max(axis=1))
-    np.maximum.at(reach, head, np.abs(points[tail]).max(axis=1))
-    tolerance = 1e-9 * reach if tolerance is None else np.full(len(points), tolerance)
     twin = _twins(tail, head, len(points))
+    if tolerance is None:  # asked for at the ends of open edges only
+        is_end = np.zeros(len(points), dtype=bool)
+        is_end[tail[twin < 0]] = is_end[head[twin < 0]] = True
+        own = np.abs(points).max(axis=1)
+        reach = own.copy()
+        for one, other in ((tail, head), (head, tail)):
+            some = np.flatnonzero(is_end[one])
+            np.maximum.at(reach, one[some], own[other[some]])
+        tolerance = 1e-9 * reach
+    else:
+        tolerance = np.full(len(points), tolerance)
     same = _close(points, tail, head, polygon, twin < 0, tolerance)
     if same is not None:
         point, tail, head = same[point], same[tail], same[head]
