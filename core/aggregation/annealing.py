@@ -7,7 +7,8 @@ the true one. Regions may become too small at a price that rises while it gets c
 small in the end is repaired, and a descent with hard thresholds follows.
 
 After a first run the result is heated again and again, less than at first, and the best of before and
-after is kept, block by block (see `blocks`).
+after is kept, block by block (see `blocks`); with a fixed number of regions that is a knapsack, solved
+exactly.
 """
 
 from __future__ import annotations
@@ -121,7 +122,8 @@ def annealing(
     if not len(regions.movable):
         return start
     n, done, report = len(problem.size), 0.0, check or (lambda share: None)
-    best, bonus = None, 0.0  # price of a region that keeps their number; a run goes on with that of the last one
+    best = None
+    bonus = 0.0  # price of a region that keeps their number; a run goes on with that of the last one
     whole = _Effort(10_000 * n if iterations is None else iterations, seconds)
 
     def run(begin, number, share, hot):
