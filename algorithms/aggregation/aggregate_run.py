@@ -22,10 +22,10 @@ from ...core.aggregation.tables import distances, thresholds
 from ...core.errors import Cancelled, IsthmusError
 from ..base import counted
 from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
+from ..layers.fields import LONG, make_fields
+from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
-from ..layers.wkb import LONG
 from . import areas as layer
 from . import report
 from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS

@@ -16,10 +16,12 @@ from ...core.progress import checker
 from ...core.rings import Rings, offsets_of
 from ..base import counted
 from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
+from ..layers.fields import make_fields
+from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
-from ..partition.cutting import BY_LENGTH, NATURAL, report_short
+from ..partition.cutting import BY_LENGTH, NATURAL
+from ..partition.cutting_run import report_short
 from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from . import areas as layer
 from .areas_tool import field_index

@@ -10,7 +10,6 @@ from qgis.core import (
     QgsDataSourceUri,
     QgsFeature,
     QgsFeatureSink,
-    QgsFields,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputLayerDefinition,
@@ -19,8 +18,6 @@ from qgis.core import (
     QgsProperty,
     QgsProviderRegistry,
 )
-
-from . import wkb
 
 # formats that keep every feature, and can be read
 READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
@@ -31,14 +28,6 @@ SIDECARS = {
     ".tab": (".dat", ".map", ".id", ".ind"),
     ".gml": (".xsd", ".gfs"),
 }
-
-
-def make_fields(definition):
-    """Return fields of (name, kind) pairs; kinds as in `wkb.field`."""
-    fields = QgsFields()
-    for name, kind in definition:
-        fields.append(wkb.field(name, kind))
-    return fields
 
 
 def overwriting(tool, parameters, context):

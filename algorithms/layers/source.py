@@ -2,6 +2,7 @@
 
 from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
 
+from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
 from .wkb import common_type
 
 # the tools check geometries themselves, and pass invalid ones through
@@ -51,8 +52,6 @@ class Reader:
 
         What is yielded counts as done when the next is asked for.
         """
-        from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
-
         features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
         chunk, self.size = [], 0
         for feature, size in zip(features, self.sizes):

@@ -3,6 +3,7 @@
 import numpy as np
 from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 
+from ...core.partition.features import GivenLines
 from ..layers import wkb
 
 
@@ -20,8 +21,6 @@ class CandidateLines:
     """
 
     def __init__(self, source, crs, context):
-        from ...core.partition.features import GivenLines
-
         self.fields, self.attributes = source.fields(), []
         transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
         self.ids, ends, self.bent = [], [], []

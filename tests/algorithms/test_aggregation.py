@@ -2,10 +2,7 @@
 
 import json
 import math
-import os
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from random import Random
 
@@ -29,7 +26,6 @@ from qgis.core import (  # noqa: E402
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 # two squares of side 10, joined by a corridor of width 1
 DUMBBELL = (
     "Polygon ((0 0, 10 0, 10 4, 20 4, 20 0, 30 0, 30 10, 20 10, 20 5, 10 5, 10 10, 0 10, 0 0))"
@@ -515,27 +511,7 @@ def test_pieces_are_merged_without_a_trace(qgis_app):
     assert sum(a.geometry().area() for a in layers["ASSIGNMENT"]) == pytest.approx(450.0)
 
 
-@pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
-def test_the_model_runs_in_qgis_process(tmp_path):
-    plugins = tmp_path / "plugins"
-    plugins.mkdir()
-    (plugins / "isthmus").symlink_to(ROOT)
-    environment = {
-        **os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_PLUGINPATH": str(plugins),
-        "QGIS_CUSTOM_CONFIG_PATH": str(tmp_path / "profile"), "XDG_RUNTIME_DIR": str(tmp_path),
-        # the packages of this environment
-        "PYTHONPATH": str(Path(pytest.importorskip("shapely").__file__).parents[1]),
-    }
-
-    def call(*arguments):
-        done = subprocess.run(
-            [QGIS_PROCESS, *arguments], env=environment, stdin=subprocess.DEVNULL,
-            capture_output=True, encoding="utf-8",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    call("plugins", "enable", "isthmus")
+def test_the_model_runs_in_qgis_process(qgis_process, tmp_path):
     features = [
         {"type": "Feature", "properties": {"code": code},
          "geometry": json.loads(QgsGeometry.fromWkt(wkt).asJson())}
@@ -546,8 +522,8 @@ def test_the_model_runs_in_qgis_process(tmp_path):
         "type": "FeatureCollection", "features": features,
         "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}},
     }))
-    call(
-        "run", str(ROOT / "resources" / "models" / "prepare_and_aggregate.model3"), "--",
+    qgis_process(
+        "run", ROOT / "resources" / "models" / "prepare_and_aggregate.model3", "--",
         f"INPUT={source}", "CLASS=code", "THRESHOLD=120", "METHOD=greedy",
         f"aggregate:regions={regions}", f"aggregate:areas={given}",
     )  # fmt: skip

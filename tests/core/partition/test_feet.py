@@ -9,7 +9,7 @@ from isthmus.core.partition import solve as road
 from isthmus.core.partition.feet import along_edges, places, with_feet
 from isthmus.core.partition.min_size import SELF
 from isthmus.core.partition.polygon import from_rings, without_rings
-from isthmus.core.partition.triangulation import triangulate
+from isthmus.core.partition.triangulation import sides_of, triangulate
 from isthmus.core.rings import one_polygon
 
 from .. import checker, shapes, stages
@@ -153,7 +153,7 @@ def test_feet_are_feet(k):
         assert (upright & sees).any()
     triangles, _ = triangulate(more)
     assert np.array_equal(known, triangles)
-    assert not len(places(more, triangles, more.xy, metric.planar()).edge)
+    assert not len(places(more, sides_of(more, triangles), more.xy, metric.planar()).edge)
 
 
 def test_the_triangulation_of_the_last_rounds_is_that_of_the_result():

@@ -1,0 +1,35 @@
+"""What ``isthmus:partitionbudget`` runs."""
+
+import numpy as np
+
+from ...core.partition.features import largest_dilations, within_budget
+from .cutting_run import cut
+
+
+def partition_budget(tool, parameters, context, feedback):
+    """Run `isthmus:partitionbudget`; return its results."""
+    return cut(tool, parameters, context, feedback, _chooser, _extra_values)
+
+
+def _chooser(tool, parameters, context, source, feedback):
+    budget_of = tool.dynamic(parameters, tool.BUDGET, context, source)
+
+    def choose(problem, check):
+        features = problem.chunk.features
+        selection, unproven = within_budget(
+            problem, [budget_of(feature) for feature in features], check
+        )
+        for f, dilation in unproven.items():
+            feedback.pushWarning(
+                f"Feature {features[f].id()}: a smaller detour than {dilation:.6g} may be "
+                "possible within the budget, which could be neither shown nor ruled out."
+            )
+        reached = np.ones(len(features))
+        np.maximum.at(reached, problem.owner, selection.dilation)
+        return selection, reached
+
+    return choose
+
+
+def _extra_values(problem, solution):
+    return [[value] for value in largest_dilations(problem, solution).tolist()]
