@@ -152,11 +152,11 @@ class _Run:
         """Read the layer and the tables into a problem."""
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
-        self.reader = Reader(self.source, feedback)
+        self.reader = Reader(self.source, feedback, keep=True)
         feedback.setProgressText("Reading the areas")
         areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
-        texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
+        texts = layer.texts(areas.features, self.class_index)
         self.reason = reasons_of(areas, texts, [
             "it is empty" if one.hasGeometry() else "it has no geometry" for one in areas.features
         ])  # fmt: skip
@@ -341,7 +341,7 @@ class _Run:
         """What identifies the area of each feature: pieces of one area have the same."""
         if self.id_index < 0:
             return list(range(len(self.areas.features)))
-        ids = [layer.text(one.attributes()[self.id_index]) for one in self.areas.features]
+        ids = layer.texts(self.areas.features, self.id_index)
         return [k if one is None else one for k, one in enumerate(ids)]
 
     def _shape(self, group, polygons, extra, multi):
