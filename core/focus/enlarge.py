@@ -338,8 +338,8 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
 def _on_land(land, points):
     """Which points lie in a polygon."""
     found = np.zeros(len(points), dtype=bool)
-    if len(land):
-        found[shapely.STRtree(land).query(shapely.points(points), predicate="intersects")[0]] = True
+    # the tree is of the points: what is asked for is what shapely prepares, and polygons are the larger
+    found[shapely.STRtree(shapely.points(points)).query(land, predicate="intersects")[1]] = True
     return found
 
 
@@ -406,10 +406,7 @@ def _covered(mesh, noded, land, check):
     largest = np.empty(face.max() + 1, dtype=np.int64)
     largest[face[by_size]] = by_size
     middle = mesh.xy[mesh.triangles[largest]].mean(axis=1)
-    found = shapely.STRtree(land).query(shapely.points(middle), predicate="intersects")[0]
-    is_land = np.zeros(len(largest), dtype=bool)
-    is_land[found] = True
-    return is_land[face]
+    return _on_land(land, middle)[face]
 
 
 def _row_splits(noded, graph, starts):

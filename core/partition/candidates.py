@@ -17,7 +17,7 @@ from ..rings import groups, shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
-from .triangulation import diagonals, triangulate
+from .triangulation import diagonals, sides_of, triangulate
 
 __all__ = ["ACCEPTED", "CROSSES", "Diagonals", "Lines", "OFF_VERTICES", "counted", "from_lines",
            "from_triangulation"]
@@ -181,9 +181,10 @@ def from_triangulation(
         back = np.empty(len(vertex), dtype=np.int64)
         back[number] = np.arange(len(number))
         triangles, vertex = back[triangles], vertex[number]
-    edges = diagonals(rest, triangles)
+    sides = sides_of(rest, triangles)
+    edges = diagonals(rest, triangles, sides)
     position = measure.positions(rest.xy)
-    short = places(rest, triangles, position, measure)
+    short = places(rest, sides, position, measure)
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
     found = Diagonals(vertex[edges], verdict, short)

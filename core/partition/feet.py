@@ -20,7 +20,7 @@ from ..progress import ignore
 from ..rings import Rings, following, offsets_of, previous, running, shapes, take
 from .natural import BENT, WIDER, Outline, bends
 from .polygon import Polygons, is_valid, select, without_rings
-from .triangulation import triangulate
+from .triangulation import Sides, sides_of, triangulate
 
 __all__ = ["Places", "along_edges", "concave_places", "large_places", "places", "with_feet"]
 
@@ -52,15 +52,15 @@ class Places(NamedTuple):
 
 
 def places(
-    polygons: Polygons, triangles: np.ndarray, position: np.ndarray, measure: Metric
+    polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metric
 ) -> Places:
     """Find the places where a cut could end inside an edge.
 
     Parameters
     ----------
     polygons : Polygons
-    triangles : (t, 3) int
-        Vertices of the constrained Delaunay triangulations.
+    sides : triangulation.Sides
+        Of the triangles of the constrained Delaunay triangulations.
     position : (n, 2 or 3) float
         ``measure.positions`` of the vertices.
     measure : metric.Metric
@@ -80,13 +80,13 @@ def places(
     >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
     >>> polygon = one(xy, [0, 7])
     >>> triangles, _ = triangulate(polygon)
-    >>> found = places(polygon, triangles, polygon.xy, planar())
+    >>> found = places(polygon, sides_of(polygon, triangles), polygon.xy, planar())
     >>> polygon.xy[found.apex], polygon.xy[found.edge], found.share, found.length
     (array([[10.,  1.]]), array([[0., 0.]]), array([0.5]), array([1.]))
     """
     xy, vertex = polygons.xy, polygons.vertex
     after = vertex[polygons.next_corner]
-    edge, v = _edges_opposite(polygons, triangles, _concave(polygons))
+    edge, v = _edges_opposite(polygons, sides, _concave(polygons))
     start = position.take(vertex[edge], axis=0)
     along, to = position.take(after[edge], axis=0) - start, position.take(v, axis=0) - start
     with np.errstate(all="ignore"):  # magnitudes may be extreme; what overflows is no place
@@ -240,7 +240,7 @@ def with_feet(
             back = np.empty(int(number.max(initial=-1)) + 1, dtype=np.int64)
             back[number] = np.arange(len(number))
             triangles = back[triangles]
-        found = places(some, triangles, measure.positions(some.xy), measure)
+        found = places(some, sides_of(some, triangles), measure.positions(some.xy), measure)
         large = large_places(some, found, measure, own_smallest)
         found = Places(*(x[large] for x in found))
         polygons, coords, changed = _inserted(
@@ -275,26 +275,22 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     return (ring[first] == ring[last]) & ((between == 0) | (outside == 0))
 
 
-def _edges_opposite(polygons, triangles, wanted):
+def _edges_opposite(polygons, sides, wanted):
     """The edges of polygons, by the corners they leave, with a wanted vertex opposite in their triangle."""
     xy, vertex = polygons.xy, polygons.vertex
-    after, several = vertex[polygons.next_corner], len(vertex) > len(xy)
+    side = np.flatnonzero(sides.boundary)
+    v = sides.head.take(side + np.where(side % 3 == 2, -2, 1))  # the next side ends opposite
+    some = np.flatnonzero(wanted.take(v))
+    side, v = side[some], v[some].astype(np.int64)
+    a = sides.tail.take(side)
     corner = np.empty(len(xy), dtype=np.int64)
     corner[vertex] = np.arange(len(vertex))
-    edges, apexes = [], []
-    for k in range(3):
-        some = np.flatnonzero(wanted.take(triangles[:, (k + 2) % 3]))
-        a, b, v = (triangles[:, (k + other) % 3].take(some) for other in range(3))
-        edge = corner[a]
-        if several:  # rings touch: some vertices have several edges
-            key = vertex * len(xy) + after
-            order = np.argsort(key)
-            found = np.searchsorted(key, a.astype(np.int64) * len(xy) + b, sorter=order)
-            edge = order[np.minimum(found, len(order) - 1)]
-        on = np.flatnonzero((vertex[edge] == a) & (after[edge] == b))
-        edges.append(edge[on])
-        apexes.append(v[on])
-    return np.concatenate(edges), np.concatenate(apexes).astype(np.int64)
+    edge = corner.take(a)
+    if len(vertex) > len(xy):  # rings touch: some vertices have several edges
+        key = vertex * len(xy) + vertex[polygons.next_corner]
+        order = np.argsort(key)
+        edge = order[np.searchsorted(key, a.astype(np.int64) * len(xy) + sides.head[side], sorter=order)]
+    return edge, v
 
 
 def _concave(polygons):

@@ -10,6 +10,8 @@ import shapely
 
 __all__ = ["Verdict", "crossing_pairs", "faults", "verify", "with_splits"]
 
+AT_ONCE = 200_000  # segments that are asked for their neighbours at a time
+
 
 class Verdict(NamedTuple):
     """What an independent look at a focus map finds.
@@ -64,29 +66,42 @@ def verify(before, after, starts, features):
     """
     if not np.isfinite(after).all():
         return Verdict(0, 0, 0, 0, False)
-    _, vertex, place = np.unique(before, axis=0, return_index=True, return_inverse=True)
-    place = place.ravel()
+    place, vertex = _numbered(before)
     apart = int(np.count_nonzero((after[vertex[place]] != after).any(axis=1)))
-    inner = np.ones(max(len(before) - 1, 0), dtype=bool)
+    pairs = _segments(place, starts)
+    one, other = (crossing_pairs(xy[vertex], pairs) @ (len(pairs), 1) for xy in (before, after))
+    crossings = int(np.count_nonzero(~np.isin(other, one)))
+    feature = np.repeat(np.arange(len(features)), [len(polygons) for polygons in features])
+    polygons = [lines for one in features for lines in one]
+    valid, whole = [], []
+    for xy in (before, after):
+        shapes = _shapes(xy, starts, polygons)
+        valid.append(shapely.is_valid(shapes))
+        many = np.full(len(features), None, dtype=object)
+        shapely.multipolygons(shapes, indices=feature, out=many)
+        whole.append(shapely.is_valid(many))
+    broken = np.union1d(np.flatnonzero(whole[0] & ~whole[1]), feature[valid[0] & ~valid[1]])
+    flat = 1e-11 * np.ptp(before, axis=0).max(initial=0.0)
+    turned = sum(_turned(before, after, starts, polygons[k], flat) for k in np.flatnonzero(valid[0]).tolist())
+    return Verdict(turned, crossings, len(broken), apart, True)
+
+
+def _numbered(xy):
+    """The number of each point, equal ones counted once, and the first row of each number."""
+    points = np.ascontiguousarray(xy + 0.0).view(np.complex128).ravel()  # + 0.0: there is only one zero
+    _, first, place = np.unique(points, return_index=True, return_inverse=True)
+    return place.ravel(), first
+
+
+def _segments(place, starts):
+    """The segments of lines, as pairs of numbers of points, each once."""
+    inner = np.ones(max(len(place) - 1, 0), dtype=bool)
     ends = np.asarray(starts[1:-1])
-    inner[ends[(ends > 0) & (ends < len(before))] - 1] = False
+    inner[ends[(ends > 0) & (ends < len(place))] - 1] = False
     pairs = np.sort(np.column_stack((place[:-1], place[1:]))[inner], axis=1)
-    pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
-    one, other = (crossing_pairs(xy[vertex], pairs) for xy in (before, after))
-    known = set(map(tuple, one.tolist()))
-    crossings = sum(tuple(pair) not in known for pair in other.tolist())
-    turned = invalid = 0
-    for polygons in features:
-        valid = []
-        for xy in (before, after):
-            shapes = [_shape(xy, starts, lines) for lines in polygons]
-            valid.append([bool(shapely.is_valid(s)) for s in shapes] + [
-                bool(shapely.is_valid(shapely.multipolygons(shapes)))])
-        invalid += any(a and not b for a, b in zip(*valid))
-        for lines, good in zip(polygons, valid[0]):
-            if good:
-                turned += _turned(before, after, starts, lines)
-    return Verdict(turned, crossings, int(invalid), apart, True)
+    n = int(place.max(initial=0)) + 1
+    key = np.unique(pairs[pairs[:, 0] != pairs[:, 1]] @ (n, 1))
+    return np.column_stack((key // n, key % n))
 
 
 def faults(result, before, after, starts):
@@ -128,67 +143,78 @@ def faults(result, before, after, starts):
     if len(rim):
         found.append("the frame is no rectangle")
     height = area / np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
-    sign = np.array([_sign(*one) for one in result.moved[triangles[height > 1e-11 * size.max()]].tolist()])
+    sign = _signs(result.moved[triangles[height > 1e-11 * size.max()]])
     if (sign <= 0).any():
         found.append(f"{np.count_nonzero(sign <= 0)} triangles are turned")
-    known = {}
-    for k, point in enumerate(result.points.tolist()):
-        known.setdefault(tuple(point), k)
-    place = np.array([known.get(tuple(point), -1) for point in before.tolist()])
-    if (place < 0).any():
+    number, first = _numbered(np.concatenate((result.points, before)))
+    place = first[number[n:]]  # the first of equal points
+    if (place >= n).any():
         return found + ["a point of the map is no vertex"]
-    inner = np.ones(len(place) - 1, dtype=bool)
-    ends = np.asarray(starts[1:-1])
-    inner[ends[(ends > 0) & (ends < len(place))] - 1] = False
-    pairs = np.sort(np.column_stack((place[:-1], place[1:]))[inner], axis=1)
     edges = np.sort(np.column_stack((directed // n, directed % n)), axis=1) @ (n, 1)
-    if not np.isin(pairs[pairs[:, 0] != pairs[:, 1]] @ (n, 1), edges).all():
+    if not np.isin(_segments(place, starts) @ (n, 1), edges).all():
         found.append("a line of the map is no edge of triangles")
     if not np.array_equal(result.moved[place], after):
         found.append("a point is not where its vertex is")
     return found
 
 
-def _sign(a, b, c):
-    """The orientation of three points, exactly."""
-    one, other = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
-    if abs(one - other) > 1e-14 * (abs(one) + abs(other)):
-        return 1 if one > other else -1
-    (ax, ay), (bx, by), (cx, cy) = ([Fraction(x) for x in point] for point in (a, b, c))
-    exact = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-    return (exact > 0) - (exact < 0)
+def _signs(corners):
+    """The orientation of (k, 3, 2) corners, exactly."""
+    a, b, c = corners.transpose(1, 0, 2)
+    one = (b - a)[:, 0] * (c - a)[:, 1]
+    other = (b - a)[:, 1] * (c - a)[:, 0]
+    sign = np.sign(one - other).astype(int)
+    for k in np.flatnonzero(~(np.abs(one - other) > 1e-14 * (np.abs(one) + np.abs(other)))).tolist():
+        (ax, ay), (bx, by), (cx, cy) = ([Fraction(x) for x in point] for point in corners[k].tolist())
+        exact = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        sign[k] = (exact > 0) - (exact < 0)
+    return sign
 
 
 def crossing_pairs(xy, edges):
     """Return the pairs of edges that meet, but for those that share an end, by shapely."""
-    segments = shapely.linestrings(xy[edges])
-    a, b = shapely.STRtree(segments).query(segments, predicate="intersects")
-    pairs = np.column_stack((a, b))[a < b]
-    first, second = edges[pairs[:, 0]], edges[pairs[:, 1]]
-    return pairs[(first[:, :, None] != second[:, None, :]).all(axis=(1, 2))]
+    tree = shapely.STRtree(shapely.linestrings(xy[edges]))
+    found = [np.empty((0, 2), dtype=np.int64)]
+    for start in range(0, len(edges), AT_ONCE):
+        some = tree.geometries[start:start + AT_ONCE]
+        a, b = tree.query(some)  # boxes that meet; most of these share an end
+        a += start
+        a, b = a[a < b], b[a < b]
+        apart = (edges[a][:, :, None] != edges[b][:, None, :]).all(axis=(1, 2))
+        a, b = a[apart], b[apart]
+        meet = shapely.intersects(tree.geometries[a], tree.geometries[b])
+        found.append(np.column_stack((a[meet], b[meet])))
+    return np.concatenate(found)
 
 
-def _shape(xy, starts, lines):
-    rings = [xy[starts[k]:starts[k + 1]] for k in lines if starts[k + 1] - starts[k] >= 4]
-    return shapely.Polygon(rings[0], rings[1:]) if rings else shapely.Polygon()
+def _shapes(xy, starts, polygons):
+    """Polygons of lines that are rings; those with less than four points do not count."""
+    shapes = np.full(len(polygons), shapely.Polygon(), dtype=object)
+    used = [[k for k in lines if starts[k + 1] - starts[k] >= 4] for lines in polygons]
+    count = [len(lines) for lines in used]
+    line = np.array([k for lines in used for k in lines], dtype=np.int64)
+    if len(line):
+        length = np.diff(starts)[line]
+        row = np.arange(length.sum()) + np.repeat(starts[line] - np.cumsum(length) + length, length)
+        rings = shapely.linearrings(xy[row], indices=np.repeat(np.arange(len(line)), length))
+        shapely.polygons(rings, indices=np.repeat(np.arange(len(polygons)), count), out=shapes)
+    return shapes
 
 
-def _turned(before, after, starts, lines):
-    """Triangles of the constrained Delaunay triangulation of a polygon that are turned."""
+def _turned(before, after, starts, lines, flat):
+    """Triangles of the constrained Delaunay triangulation of a polygon that are turned, unless flat."""
     import triangle
 
-    rows = np.concatenate([np.arange(starts[k], starts[k + 1] - 1) for k in lines])
-    following = np.concatenate([np.append(np.arange(starts[k] + 1, starts[k + 1] - 1), starts[k])
-                                for k in lines])
-    points, first, place = np.unique(before[rows], axis=0, return_index=True, return_inverse=True)
-    number = dict(zip(rows.tolist(), place.ravel().tolist()))
-    number.update((starts[k + 1] - 1, number[starts[k]]) for k in lines)
-    segments = [(number[a], number[b]) for a, b in zip(rows.tolist(), following.tolist())]
+    rings = [np.arange(starts[k], starts[k + 1] - 1) for k in lines]
+    rows = np.concatenate(rings)
+    place, first = _numbered(before[rows])
+    number = np.split(place, np.cumsum([len(ring) for ring in rings])[:-1])
+    segments = np.concatenate([np.column_stack((ring, np.roll(ring, -1))) for ring in number])
+    points = before[rows[first]]
     points = (points - points.min(axis=0)) / (np.ptp(points, axis=0).max() or 1.0)
-    graph = {"vertices": points, "segments": np.array(segments, dtype=np.int32)}
+    graph = {"vertices": points, "segments": segments.astype(np.int32)}
     if len(lines) > 1:
-        rings = [[number[row] for row in range(starts[k], starts[k + 1])] for k in lines[1:]]
-        holes = [shapely.Polygon(points[ring]) for ring in rings]
+        holes = [shapely.Polygon(points[ring]) for ring in number[1:]]
         graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
     at = rows[first][triangle.triangulate(graph, "pQBPN")["triangles"]]
     sign = []
@@ -197,5 +223,5 @@ def _turned(before, after, starts, lines):
         sign.append((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
     a, b, c = before[at].transpose(1, 0, 2)
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
-    seen = np.abs(sign[0]) > 1e-11 * longest * np.ptp(before, axis=0).max()  # else flat but for rounding
+    seen = np.abs(sign[0]) > flat * longest  # else flat but for rounding
     return int(np.count_nonzero(seen & (sign[0] * sign[1] <= 0.0)))

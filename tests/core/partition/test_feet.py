@@ -9,7 +9,7 @@ from isthmus.core.partition import solve as road
 from isthmus.core.partition.feet import along_edges, places, with_feet
 from isthmus.core.partition.min_size import SELF
 from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import triangulate
+from isthmus.core.partition.triangulation import sides_of, triangulate
 from isthmus.core.rings import one_polygon
 
 from .. import checker, shapes, stages
@@ -152,7 +152,7 @@ def test_feet_are_feet(k):
         sees = shapely.covers(room, shapely.linestrings([[v, foot] for v in concave]))
         assert (upright & sees).any()
     triangles, _ = triangulate(more)
-    assert not len(places(more, triangles, more.xy, metric.planar()).edge)
+    assert not len(places(more, sides_of(more, triangles), more.xy, metric.planar()).edge)
 
 
 @pytest.mark.parametrize("count", [1, 2, 9, 40])
