@@ -141,8 +141,8 @@ class Diagonals(NamedTuple):
 
 def from_triangulation(
     polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
-    smallest: np.ndarray | None = None, only_natural: bool = False, engine: str | None = None,
-    check: Callable = ignore,
+    smallest: np.ndarray | None = None, only_natural: bool = False, known: tuple | None = None,
+    engine: str | None = None, check: Callable = ignore,
 ) -> Diagonals:
     """Find the diagonals of triangulations that do not touch the boundary components left out.
 
@@ -158,6 +158,8 @@ def from_triangulation(
         Area of the smallest part of each polygon: asks which diagonals are natural (`natural.natural`).
     only_natural : bool
         Whether only these will be candidates; so are the places then.
+    known : tuple, optional
+        What `triangulation.triangulate` says of the polygons without the others, if that is known.
     measure, engine, check
         See `triangulation.triangulate`.
 
@@ -171,7 +173,7 @@ def from_triangulation(
     if free.any():
         rest, vertex = without_rings(polygons, free)
         corner, _ = take(polygons.offsets, np.flatnonzero(~free))
-    triangles, verdict = triangulate(
+    triangles, verdict = known or triangulate(
         rest, conformal=measure.conformal, engine=engine, check=check
     )
     if (verdict != "").any():

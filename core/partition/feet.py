@@ -175,7 +175,7 @@ def large_places(
 def with_feet(
     polygons: Polygons, rings: Rings, free: np.ndarray, smallest: np.ndarray, *, measure: Metric,
     engine: str | None = None, check: Callable = ignore,
-) -> tuple[Polygons, np.ndarray]:
+) -> tuple[Polygons, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
     """Insert the feet as vertices.
 
     They are inserted corners, so a part in which no cut ends at one does not get it.
@@ -200,10 +200,14 @@ def with_feet(
     coords : (f, d) float
         The new rows: x and y, and what rides along interpolated between the ends of the edge. Some may
         be used by no corner.
+    known : ((t, 3) int, (p,) object), or None
+        What `triangulation.triangulate` says of the new polygons without the free rings, if the last round
+        left nothing to insert.
 
     Notes
     -----
-    A triangulation of the polygons with new vertices in each round, most often three or four.
+    A triangulation of the polygons with new vertices in each round, most often three or four; the last one of
+    each polygon is that of the result.
 
     Examples
     --------
@@ -212,15 +216,20 @@ def with_feet(
     >>> from isthmus.core.rings import one_polygon
     >>> rows = np.array([[0, 0, 5], [20, 0, 7], [20, 10, 7], [11, 10, 6], [10, 1, 6], [9, 10, 6],
     ...                  [0, 10, 5.0]])
-    >>> polygon, coords = with_feet(one(rows, [0, 7]), one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool),
-    ...                             np.zeros(1), measure=planar())
+    >>> whole, none_free = one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool)
+    >>> polygon, coords, (triangles, _) = with_feet(
+    ...     one(rows, [0, 7]), whole, none_free, np.zeros(1), measure=planar())
     >>> coords
     array([[10.,  0.,  6.]])
     >>> polygon.rows
     array([0, 7, 1, 2, 3, 4, 5, 6])
+    >>> len(triangles)
+    6
     """
     new = np.empty((0, rings.coords.shape[1]))
     changed = np.arange(len(polygons.unit))
+    problem = np.full(len(polygons.unit), "", dtype=object)
+    done = []  # of the polygons that a round leaves as they are: number, triangles, and how many of each
     for _ in range(ROUNDS):
         some, _ = select(polygons, changed)
         corner, _ = take(polygons.corner_offsets, changed)
@@ -232,8 +241,10 @@ def with_feet(
         triangles, verdict = triangulate(
             some, conformal=measure.conformal, engine=engine, check=lambda share: check()
         )
+        asked, problem[changed] = changed, verdict
         if (verdict != "").any():
             good = np.flatnonzero(verdict == "")
+            asked = asked[good]
             corner = corner[take(some.corner_offsets, good)[0]]
             some, number = select(some, good)
             own_smallest = own_smallest[good]
@@ -246,10 +257,24 @@ def with_feet(
         polygons, coords, changed = _inserted(
             polygons, rings.coords, len(new), corner[found.edge], found.share
         )
+        owner = some.polygon_of_vertex[triangles[:, 0]]
+        size = np.bincount(owner, minlength=len(asked))
+        still = np.flatnonzero(~np.isin(asked, changed))
+        index, _ = take(offsets_of(size), still)
+        done.append((asked[still], (triangles - some.vertex_offsets[owner][:, None])[index], size[still]))
         if not len(changed):
-            break
+            return polygons, new, (_together(polygons, free, done), problem)
         new = np.concatenate((new, coords))
-    return polygons, new
+    return polygons, new, None
+
+
+def _together(polygons, free, done):
+    """(t, 3) int: triangles, told by the vertices of their polygons, in the order of the polygons."""
+    which, triangles, size = (np.concatenate(x) for x in zip(*done))
+    rest = without_rings(polygons, free)[0] if free.any() else polygons
+    triangles = triangles + np.repeat(rest.vertex_offsets[which], size)[:, None]
+    index, _ = take(offsets_of(size), np.argsort(which, kind="stable"))
+    return triangles[index]
 
 
 def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
