@@ -390,6 +390,8 @@ def test_distortion_is_weighed_by_area():
     found = measures.distortion(before, after, np.arange(30).reshape(-1, 3))
     angle = np.degrees(2.0 * np.arcsin((stretch - 1.0) / (stretch + 1.0)))
     assert found.flipped == 0.0 and (found.median, found.high) == pytest.approx((angle[5], angle[9]))
+    mirrored = measures.distortion(corner, corner * (-1.0, 1.0), np.array([(0, 1, 2)]))
+    assert mirrored == (1.0, 180.0, 180.0)
 
 
 def test_beyond_the_frame_all_moves_as_its_border_does():
