@@ -40,7 +40,7 @@ import reference  # noqa: E402
 pytestmark = pytest.mark.skipif(not (ROOT / "docs").is_dir(), reason="the pages are not here")
 
 PROSE = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/gallery.md", "docs/choosing_tau.md",
-         "docs/architecture.md", "docs/more_than_one_machine.md"]  # fmt: skip
+         "docs/architecture.md", "docs/more_than_one_machine.md", "docs/first_ten_minutes.md"]  # fmt: skip
 CODE = re.compile(r"`([^`]+)`")
 # Lower-case words in code that are no field of a tool
 OTHER_WORDS = {"algorithms", "core", "check", "isthmus", *"arabia baltic countries countries_europe".split()}
@@ -265,6 +265,8 @@ def maker(path, root=ROOT):
     if path.parent.name == "resources":
         script = f"tools/{path.stem}.py"
         return (script, script) if (root / script).exists() else (None, None)
+    if path.parent.name == "first_minutes":
+        return "tools/first_minutes.py", "./run first-minutes"
     if path.stem == "python":
         return "tools/python_picture.py", "python_picture"
     for script in ("gallery", "choosing_tau"):

@@ -36,6 +36,7 @@ from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..partition.cutting import NATURAL
+from ..words import tr
 from .focus_map import EDGE_FIELDS
 
 
@@ -106,10 +107,10 @@ def _read(source, feedback):
         runs[k] = wkb.Runs(QgsGeometry())  # as if it had none
     if wrong:
         ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
-        feedback.pushWarning(
-            "Left where they are, since coordinates are not finite (NaN or infinity) or larger than "
-            f"{FARTHEST:g}: feature {ids}."
-        )
+        feedback.pushWarning(tr(
+            "Left where they are, since coordinates are not finite (NaN or infinity) or larger than {:g}: "
+            "feature {}."
+        ).format(FARTHEST, ids))
     counts = [count for one in runs for count in one.counts]
     if not counts:
         raise QgsProcessingException("The map has no features with a geometry that can be moved.")
@@ -125,15 +126,14 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     """The focus map; None if cancelled."""
     focus = _focus(focus_source, crs, context)
     edges = _given(tool, parameters, context, crs, given.rows, feedback)
-    feedback.pushInfo(f"{len(given.features)} features, {len(given.rows)} points.")
+    feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
     if crs.isGeographic():
         growth, aspect = on_the_globe(given.rows, growth)
-        feedback.pushInfo(
-            f"The map is in degrees ({crs.authid()}). It is solved in the equidistant cylindrical "
-            f"projection with true lengths at latitude {math.degrees(math.acos(aspect)):.1f}, and "
-            "the result is in degrees."
-        )
+        feedback.pushInfo(tr(
+            "The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true "
+            "lengths at latitude {:.1f}, and the result is in degrees."
+        ).format(crs.authid(), math.degrees(math.acos(aspect))))
     try:
         result = enlarge(
             given.rows, given.starts, given.polygons, focus,
@@ -163,15 +163,15 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
 def _tell(feedback, result):
     """Say in the log what came out."""
     for reason in result.skipped[:20]:
-        feedback.pushWarning(f"No relevant edges for {reason}.")
+        feedback.pushWarning(tr("No relevant edges for {}.").format(reason))
     if len(result.skipped) > 20:
-        feedback.pushWarning(f"... and for {len(result.skipped) - 20} more.")
+        feedback.pushWarning(tr("... and for {} more.").format(len(result.skipped) - 20))
     width, height = (100.0 * (result.growth - 1.0)).tolist()
-    feedback.pushInfo(f"The map becomes {width:.0f} % wider and {height:.0f} % higher.")
+    feedback.pushInfo(tr("The map becomes {:.0f} % wider and {:.0f} % higher.").format(width, height))
     if len(result.splits):
-        feedback.pushInfo(
-            f"{len(result.splits)} points were put into lines where others meet or cross them."
-        )
+        feedback.pushInfo(tr(
+            "{} points were put into lines where others meet or cross them."
+        ).format(len(result.splits)))
 
 
 def _focus(source, crs, context):
@@ -209,10 +209,9 @@ def _given(tool, parameters, context, crs, rows, feedback):
     found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
     good = (found >= 0).all(axis=1)
     if not good.all():
-        feedback.pushWarning(
-            f"{np.count_nonzero(~good)} of {len(good)} relevant edges were left out: an end is "
-            "not a point of the map."
-        )
+        feedback.pushWarning(tr(
+            "{} of {} relevant edges were left out: an end is not a point of the map."
+        ).format(np.count_nonzero(~good), len(good)))
     return found[good]
 
 
@@ -315,10 +314,9 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
             )
     del writer
     if lost:
-        feedback.pushWarning(
-            f"{name}: features {', '.join(map(str, lost[:10]))}{' ...' * (len(lost) > 10)} have no "
-            "place in the CRS of the map, and are carried without a geometry."
-        )
+        feedback.pushWarning(tr(
+            "{}: features {}{} have no place in the CRS of the map, and are carried without a geometry."
+        ).format(name, ", ".join(map(str, lost[:10])), " ..." * (len(lost) > 10)))
     address = f"{path}|layername={name}"
     # what a full disk swallows, the writer may tell nobody
     if QgsVectorLayer(address, name, "ogr").featureCount() != count:

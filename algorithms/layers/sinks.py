@@ -19,6 +19,8 @@ from qgis.core import (
     QgsProviderRegistry,
 )
 
+from ..words import tr
+
 # formats that keep every feature, and can be read
 READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
 # what belongs to a file besides the file itself
@@ -184,7 +186,7 @@ class Sinks:
             self._discard()
             raise QgsProcessingException(message)
         if self._discard() and kind is None:
-            self.feedback.pushInfo("What was half written has been removed.")
+            self.feedback.pushInfo(tr("What was half written has been removed."))
 
     def _is_complete(self, name):
         """Whether a file has all that was written to it."""

@@ -5,6 +5,7 @@ from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 
 from ...core.partition.features import GivenLines
 from ..layers import wkb
+from ..words import tr
 
 
 class CandidateLines:
@@ -42,4 +43,4 @@ class CandidateLines:
         problems = [(k, "it is not one straight line between two points") for k in self.bent]
         problems += self.given.left_out()
         for line, reason in sorted(problems):
-            feedback.pushWarning(f"Candidate line {line} was left out: {reason}.")
+            feedback.pushWarning(tr("Candidate line {} was left out: {}.").format(line, reason))

@@ -16,6 +16,7 @@ from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
+from ..words import tr
 from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
 from .solving import prepare, read, reasons_of, settings_of
 
@@ -92,7 +93,7 @@ class Told:
         text = "; ".join(reasons_of(feature, verdicts))
         if text:
             self.skipped += 1
-            feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
+            feedback.pushWarning(tr("Feature {} was not cut: {}.").format(feature.id(), text))
         return text
 
     def report(self, feedback, more=""):
@@ -102,25 +103,22 @@ class Told:
         if more:
             feedback.pushInfo(more)
         if self.skipped:
-            feedback.pushInfo(
-                f"Not cut: {counted(self.skipped, 'feature')}; see the field status of the parts."
-            )
+            feedback.pushInfo(tr(
+                "Not cut: {}; see the field status of the parts."
+            ).format(counted(self.skipped, "feature")))
 
     def _set_aside(self):
         """What did not count, by which rule, and what to change if that is not wanted."""
-        text = (
-            f"{counted(self.small, 'part')} {'is' if self.small == 1 else 'are'} smaller than 1 per cent "
-            "of the feature."
-        )
+        small = tr("{} smaller than 1 per cent of the feature.").format(counted(self.small, "part"))
         _, below, *by_place = self.rules
         if not (self.holes or below or any(by_place)):
-            return text + " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
-        return text + (
-            f" Set aside: {counted(self.holes, 'hole')} and {counted(below, 'diagonal')} with less on "
-            f"one side than SMALLEST_PART (or MIN_HOLE); {sum(by_place):,} where the outline "
-            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
+            return f"{small} {tr('If these are too many, set PLACES to Natural or raise SMALLEST_PART.')}"
+        aside = tr(
+            "Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {:,} where the "
+            "outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
             "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-        )
+        ).format(counted(self.holes, "hole"), counted(below, "diagonal"), sum(by_place))
+        return f"{small} {aside}"
 
 
 class _Writer:
@@ -260,27 +258,29 @@ class _Writer:
     def report(self, feedback):
         """Say in the log what was done."""
         if feedback.isCanceled():
-            feedback.pushWarning("Cancelled: the results are not complete.")
+            feedback.pushWarning(tr("Cancelled: the results are not complete."))
             return
         tool, numbers = self.tool, self.numbers
         length = numbers[tool.CUT_LENGTH]
         text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
-        feedback.pushInfo(
-            f"{counted(numbers[tool.PART_COUNT], 'part')}, made by "
-            f"{counted(numbers[tool.CUT_COUNT], 'cut')} of "
-            f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
-            f"{numbers[tool.MAX_DILATION]:.4g}."
-        )
+        feedback.pushInfo(tr(
+            "{}, made by {} of {} in all. The largest detour left is {:.4g}."
+        ).format(
+            counted(numbers[tool.PART_COUNT], "part"),
+            counted(numbers[tool.CUT_COUNT], "cut"),
+            f"{text} {self.unit}".strip(),
+            numbers[tool.MAX_DILATION],
+        ))
         self.told.report(feedback)
 
 
 def report_short(feedback, short):
     """Say at how many places a cut is missing for want of a vertex."""
     if short:
-        feedback.pushInfo(
-            f"No vertex to end a cut at: {counted(short, 'place')}, edges opposite a concave corner, where "
-            "the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there."
-        )
+        feedback.pushInfo(tr(
+            "No vertex to end a cut at: {}, edges opposite a concave corner, where the way around is more "
+            "than tau times as long as the way across. Set NEW_VERTICES to cut there."
+        ).format(counted(short, "place")))
 
 
 def _or_null(value):

@@ -15,6 +15,7 @@ from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
+from ..words import tr
 from .cutting_run import Told
 from .hierarchy import LEVEL_FIELDS, RANKED_FIELDS
 from .solving import prepare, read, settings_of
@@ -131,17 +132,20 @@ class _Writer:
     def report(self, feedback):
         """Say in the log what was done."""
         if feedback.isCanceled():
-            feedback.pushWarning("Cancelled: the results are not complete.")
+            feedback.pushWarning(tr("Cancelled: the results are not complete."))
             return
         numbers, tool = self.numbers, self.tool
-        feedback.pushInfo(
-            f"{counted(numbers[tool.PART_COUNT], 'part')} in at most {counted(self.most, 'level')} of a "
-            f"feature, made by {counted(numbers[tool.CUT_COUNT], 'cut')}."
-        )
-        more = self.missed and (
-            f"{counted(self.missed, 'feature')} cannot have so many or so few parts (PARTS), and got "
-            "the next best number. A smaller TAU gives more cuts to choose from."
-        )
+        feedback.pushInfo(tr(
+            "{} in at most {} of a feature, made by {}."
+        ).format(
+            counted(numbers[tool.PART_COUNT], "part"),
+            counted(self.most, "level"),
+            counted(numbers[tool.CUT_COUNT], "cut"),
+        ))
+        more = self.missed and tr(
+            "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
+            "gives more cuts to choose from."
+        ).format(counted(self.missed, "feature"))
         self.told.report(feedback, more)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...core.partition.features import largest_dilations, within_budget
+from ..words import tr
 from .cutting_run import cut
 
 
@@ -20,10 +21,10 @@ def _chooser(tool, parameters, context, source, feedback):
             problem, [budget_of(feature) for feature in features], check
         )
         for f, dilation in unproven.items():
-            feedback.pushWarning(
-                f"Feature {features[f].id()}: a smaller detour than {dilation:.6g} may be "
-                "possible within the budget, which could be neither shown nor ruled out."
-            )
+            feedback.pushWarning(tr(
+                "Feature {}: a smaller detour than {:.6g} may be possible within the budget, which could "
+                "be neither shown nor ruled out."
+            ).format(features[f].id(), dilation))
         reached = np.ones(len(features))
         np.maximum.at(reached, problem.owner, selection.dilation)
         return selection, reached

@@ -21,6 +21,7 @@ from ...core.partition.features import prepare as prepare_polygons
 from ...core.progress import ignore
 from ..dependencies import engines_with_wheels
 from ..layers import wkb
+from ..words import tr
 from .candidate_lines import CandidateLines
 from .cutting import BY_LENGTH, BY_WEIGHT, NATURAL
 
@@ -88,12 +89,12 @@ def slow_engine_note():
     """Return what makes the tools faster where only shapely triangulates, or ''."""
     if engine_name() != "shapely" or only_engine():
         return ""
-    installable = engines_with_wheels()
-    advice = ""
-    if installable:
-        advice = f" (the Python package {installable[0]} is faster"
-        advice += ", but may not be used commercially)" if installable[0] == "triangle" else ")"
-    return f"Shapely's triangulation is used: as good as others, but slower{advice}."
+    note = tr("Shapely's triangulation is used: as good as others, but slower.")
+    for name in engines_with_wheels()[:1]:
+        note += " " + tr("The Python package {} is faster.").format(name)
+        if name == "triangle":
+            note += " " + tr("It may not be used commercially.")
+    return note
 
 
 def measure_of(crs):
@@ -129,10 +130,10 @@ def read(features, settings, feedback):
         rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in own)
         measure = metric.planar() if strange[run[0]] else settings.measure
         for feature in own if strange[run[0]] else ():
-            feedback.pushWarning(
-                f"Feature {feature.id()} has a latitude beyond 90 degrees. Its coordinates are taken "
-                "as those of a plane. Is the CRS of the layer right?"
-            )
+            feedback.pushWarning(tr(
+                "Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a "
+                "plane. Is the CRS of the layer right?"
+            ).format(feature.id()))
         yield Chunk(own, rings, owner, extra, measure)
 
 

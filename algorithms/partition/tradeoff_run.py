@@ -19,6 +19,7 @@ from ...core.progress import checker, stretch
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import Reader
+from ..words import tr
 from . import report
 from .cutting import BY_SIZE
 from .cutting_run import report_short
@@ -78,15 +79,14 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
                     if not any(reason == "" for reason in reasons):
                         skipped += 1
                         reason = reasons[0] if reasons else "it has no polygon"
-                        feedback.pushWarning(f"Feature {feature.id()} has no curve: {reason}.")
+                        feedback.pushWarning(tr("Feature {} has no curve: {}.").format(feature.id(), reason))
                         continue
                     reasons.remove("")
                     if reasons:
                         skipped += 1
-                        feedback.pushWarning(
-                            f"Feature {feature.id()}: parts of it were left out: "
-                            f"{'; '.join(reasons)}."
-                        )
+                        feedback.pushWarning(tr(
+                            "Feature {}: parts of it were left out: {}."
+                        ).format(feature.id(), "; ".join(reasons)))
                     curve, rows = found[f]
                     for *row, share in rows:
                         own = [feature.id(), *row, NULL if math.isnan(share) else share]

@@ -11,7 +11,9 @@ import pytest
 qgis_core = pytest.importorskip("qgis.core")
 
 from isthmus.algorithms.aggregation.aggregate import AggregateAlgorithm  # noqa: E402
+from isthmus.algorithms.aggregation.areas import text, texts  # noqa: E402
 from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
+from isthmus.algorithms.layers.source import Reader  # noqa: E402
 from qgis.core import (  # noqa: E402
     NULL,
     QgsFeature,
@@ -20,6 +22,7 @@ from qgis.core import (  # noqa: E402
     QgsPoint,
     QgsPolygon,
     QgsProcessingContext,
+    QgsProcessingFeatureSource,
     QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsVectorLayer,
@@ -681,3 +684,31 @@ def test_the_bound_is_not_above_the_cost(qgis_app):
         ITERATIONS=3000,
     )  # fmt: skip
     assert 0.0 < results["LOWER_BOUND"] <= results["TOTAL_COST"]
+
+
+def test_the_texts_of_a_field_are_those_of_its_values():
+    class Row:
+        def __init__(self, value):
+            self.value = value
+
+        def attribute(self, index):
+            return self.value
+
+    values = [1, 1.0, True, "1", " 1", "True", NULL, None, "", "NULL", 311.0, 311.5, 1, NULL]
+    assert texts([Row(one) for one in values], 0) == [text(one) for one in values]
+    assert texts([Row(NULL), Row("NULL"), Row(True)], 0) == [None, "NULL", "True"]
+
+
+@pytest.mark.parametrize("keep", [False, True])
+def test_a_reader_that_keeps_the_features_gives_the_same(keep):
+    layer = areas([(box(0, 0), "a"), (None, "b"), (DUMBBELL, "c"), (box(10, 0), NULL)])
+    context = QgsProcessingContext()
+    reader, shares = Reader(QgsProcessingFeatureSource(layer, context), Listener(), keep), []
+    reader.feedback.setProgress = shares.append
+    for _ in range(2):
+        found = [(one.id(), one.attributes(), one.geometry().asWkt()) for one in reader]
+        assert found == [
+            (one.id(), one.attributes(), one.geometry().asWkt()) for one in layer.getFeatures()
+        ]
+        assert shares[:4] == sorted(shares[:4]) and shares[3] == 100.0
+        reader.done = 0
