@@ -54,7 +54,7 @@ COLOUR = QColor(215, 48, 39)
 
 
 def shell_command(words, system=sys.platform):
-    """Return words as one command, for the shell of a system; on Windows for cmd, which knows no ' as a quote."""
+    """Return words as one command for the shell of a system; Windows' knows no ' as a quote."""
     if system != "win32":
         return shlex.join(words)
     # backslashes count twice before a quotation mark, and nowhere else

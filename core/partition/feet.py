@@ -216,9 +216,9 @@ def with_feet(
     >>> from isthmus.core.rings import one_polygon
     >>> rows = np.array([[0, 0, 5], [20, 0, 7], [20, 10, 7], [11, 10, 6], [10, 1, 6], [9, 10, 6],
     ...                  [0, 10, 5.0]])
+    >>> whole, none_free = one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool)
     >>> polygon, coords, (triangles, _) = with_feet(
-    ...     one(rows, [0, 7]), one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool), np.zeros(1),
-    ...     measure=planar())
+    ...     one(rows, [0, 7]), whole, none_free, np.zeros(1), measure=planar())
     >>> coords
     array([[10.,  0.,  6.]])
     >>> polygon.rows
