@@ -22,6 +22,7 @@ from .words import help_url, tr
 RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
 
+OPTIONAL = QgsProcessingParameterDefinition.Flag.FlagOptional
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
 
@@ -69,7 +70,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         # qgis_process and scripts never ask canExecute
         parameters = self.with_names(parameters)
         problem = (
-            dependency_problem() or self.text_problem(parameters)
+            dependency_problem() or self.text_problem(parameters) or self.choice_problem(parameters)
             or self.parameter_problem(parameters, context)
         )  # fmt: skip
         if problem:
@@ -103,6 +104,20 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                     float(value)
                 except ValueError:
                     return f"{definition.name()} must be a number, and is {value!r}."
+        return ""
+
+    def choice_problem(self, parameters):
+        """Return a sentence about a choice that there is not, or ''. QGIS does not say which there are."""
+        for definition in self.parameterDefinitions():
+            if not isinstance(definition, QgsProcessingParameterEnum):
+                continue
+            value, options = parameters.get(definition.name()), definition.options()
+            empty = value == "" and definition.flags() & OPTIONAL
+            if isinstance(value, (str, int, float)) and value not in options and not empty:
+                return (
+                    f"{definition.name()} must be one of {', '.join(options)} (or its number, 0 to "
+                    f"{len(options) - 1}), and is {value!r}."
+                )
         return ""
 
     def number_problem(self, parameters, context, name, least):
@@ -204,4 +219,4 @@ def _without_frames(process):
 
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
-    return f"{number:,} {what}{'s' * (number != 1)}"
+    return f"{number:,} {tr(what if number == 1 else f'{what}s')}"

@@ -125,17 +125,3 @@ def _pip_first():
 
 def _shell_word(path):
     return f'"{path}"' if " " in path else path
-
-
-def slow_engine_note():
-    """Return what makes the tools faster where only shapely triangulates, or ''."""
-    from ..core.partition.engines import engine_name, only_engine
-
-    if engine_name() != "shapely" or only_engine():
-        return ""
-    installable = engines_with_wheels()
-    advice = ""
-    if installable:
-        advice = f" (the Python package {installable[0]} is faster"
-        advice += ", but may not be used commercially)" if installable[0] == "triangle" else ")"
-    return f"Shapely's triangulation is used: as good as others, but slower{advice}."

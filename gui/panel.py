@@ -1,8 +1,10 @@
 """The panel to try tau: a slider moves the cuts on the map, and a button writes them."""
 
 import math
+import re
 import shlex
 import shutil
+import sys
 import time
 
 from qgis.core import (
@@ -49,6 +51,21 @@ STEPS = 1000  # of the slider
 SMALLEST_TAU, DEFAULT_TAU = 1.5, 3.0
 QUICK = 0.1  # seconds: what takes longer waits until the slider is let go
 COLOUR = QColor(215, 48, 39)
+
+
+def shell_command(words, system=sys.platform):
+    """Return words as one command for the shell of a system; Windows' knows no ' as a quote."""
+    if system != "win32":
+        return shlex.join(words)
+    # backslashes count twice before a quotation mark, and nowhere else
+    return " ".join(
+        word if re.fullmatch(r"[\w.:/\\=-]+", word) else '"' + re.sub(r'(\\*)("|$)', _escaped, word) + '"'
+        for word in words
+    )
+
+
+def _escaped(match):
+    return 2 * match[1] + ('\\"' if match[2] else "")
 
 
 class Panel(QgsDockWidget):
@@ -308,7 +325,7 @@ class Panel(QgsDockWidget):
             *(f"--{name}={value}" for name, value in parameters.items()),
             "--OUTPUT=parts.gpkg", "--CUTS=cuts.gpkg",
         ]  # fmt: skip
-        QApplication.clipboard().setText(shlex.join(words))
+        QApplication.clipboard().setText(shell_command(words))
         said = tr("The command is on the clipboard.")
         if self.asked["selected"]:
             said += " " + tr("It cuts all features of the layer, for the command line knows no selection.")

@@ -4,6 +4,14 @@
  <context>
   <name>isthmus</name>
   <message>
+   <source>... and for {} more.</source>
+   <translation>... und für {} weitere.</translation>
+  </message>
+  <message>
+   <source>... and {} more; see the field status.</source>
+   <translation>... und {} weitere; siehe das Feld status.</translation>
+  </message>
+  <message>
    <source>&lt;h3&gt;Choosing tau&lt;/h3&gt;</source>
    <translation>&lt;h3&gt;Wahl von tau&lt;/h3&gt;</translation>
   </message>
@@ -316,6 +324,14 @@
    <translation>Umgeklappte Fläche (%)</translation>
   </message>
   <message>
+   <source>Area {} is left as it is: {}.</source>
+   <translation>Fläche {} bleibt, wie sie ist: {}.</translation>
+  </message>
+  <message>
+   <source>Area {} was not cut: {}.</source>
+   <translation>Fläche {} wurde nicht zerlegt: {}.</translation>
+  </message>
+  <message>
    <source>Areas</source>
    <translation>Flächen</translation>
   </message>
@@ -356,6 +372,14 @@
    <translation>Abbrechen</translation>
   </message>
   <message>
+   <source>Cancelled: the results are not complete.</source>
+   <translation>Abgebrochen: Die Ergebnisse sind nicht vollständig.</translation>
+  </message>
+  <message>
+   <source>Candidate line {} was left out: {}.</source>
+   <translation>Die Linie {} der Auswahl wurde weggelassen: {}.</translation>
+  </message>
+  <message>
    <source>Carried layers</source>
    <translation>Mitgeführte Layer</translation>
   </message>
@@ -390,6 +414,10 @@
   <message>
    <source>Cost of class change</source>
    <translation>Kosten des Klassenwechsels</translation>
+  </message>
+  <message>
+   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % of the area changed its class.</source>
+   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Mittelpunkt {:.6g}. Regionen: {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
   </message>
   <message>
    <source>Cuts</source>
@@ -450,6 +478,30 @@
   <message>
    <source>Excluded classes</source>
    <translation>Ausgeschlossene Klassen</translation>
+  </message>
+  <message>
+   <source>Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a plane. Is the CRS of the layer right?</source>
+   <translation>Objekt {} hat eine Breite jenseits von 90 Grad. Seine Koordinaten gelten als die einer Ebene. Stimmt das KBS des Layers?</translation>
+  </message>
+  <message>
+   <source>Feature {} has no curve: {}.</source>
+   <translation>Objekt {} hat keine Kurve: {}.</translation>
+  </message>
+  <message>
+   <source>Feature {} was not cut: {}.</source>
+   <translation>Objekt {} wurde nicht zerlegt: {}.</translation>
+  </message>
+  <message>
+   <source>Feature {}: a smaller detour than {:.6g} may be possible within the budget, which could be neither shown nor ruled out.</source>
+   <translation>Objekt {}: Ein kleinerer Umweg als {:.6g} ist mit dem Budget vielleicht möglich; das ließ sich weder zeigen noch ausschließen.</translation>
+  </message>
+  <message>
+   <source>Feature {}: parts of it were left out: {}.</source>
+   <translation>Objekt {}: Teile davon wurden weggelassen: {}.</translation>
+  </message>
+  <message>
+   <source>Feature {}: the search ended at a gap of {:.3g} per cent between the cost and its proven lower bound, its limit of time or memory being reached.</source>
+   <translation>Objekt {}: Die Suche endete mit einer Lücke von {:.3g} Prozent zwischen den Kosten und ihrer bewiesenen unteren Schranke, da die Grenze für Zeit oder Speicher erreicht war.</translation>
   </message>
   <message>
    <source>Fetch and install</source>
@@ -536,6 +588,10 @@
    <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst um weniger, wo weniger genügt: Nimmt eine Region den Anteil f der Breite ein, wächst die Karte auf Maßstab mal f hoch 2/7. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
   </message>
   <message>
+   <source>If these are too many, set PLACES to Natural or raise SMALLEST_PART.</source>
+   <translation>Wenn das zu viele sind, setzen Sie PLACES auf Natural oder erhöhen Sie SMALLEST_PART.</translation>
+  </message>
+  <message>
    <source>Ignore cuts below (layer units; metres if degrees)</source>
    <translation>Kürzere Schnitte nicht (Layereinheiten; Grad: m)</translation>
   </message>
@@ -580,6 +636,10 @@
    <translation>Er zerlegt alle Objekte des Layers, denn die Kommandozeile kennt keine Auswahl.</translation>
   </message>
   <message>
+   <source>It may not be used commercially.</source>
+   <translation>Es darf nicht kommerziell genutzt werden.</translation>
+  </message>
+  <message>
    <source>Joins small land-cover areas to regions of a minimum size at least cost.</source>
    <translation>Vereinigt kleine Flächen der Bodenbedeckung zu geringsten Kosten zu Regionen einer Mindestgröße.</translation>
   </message>
@@ -602,6 +662,10 @@
   <message>
    <source>Largest tau (0: no bound)</source>
    <translation>Größtes tau (0: unbegrenzt)</translation>
+  </message>
+  <message>
+   <source>Left where they are, since coordinates are not finite (NaN or infinity) or larger than {:g}: feature {}.</source>
+   <translation>Bleiben, wo sie sind, da Koordinaten nicht endlich (NaN oder unendlich) oder größer als {:g} sind: Objekt {}.</translation>
   </message>
   <message>
    <source>Lines to choose the cuts from</source>
@@ -664,8 +728,40 @@
    <translation>Nachbarn</translation>
   </message>
   <message>
+   <source>No area has a class: there is nothing to aggregate.</source>
+   <translation>Keine Fläche hat eine Klasse: Es gibt nichts zusammenzufassen.</translation>
+  </message>
+  <message>
+   <source>No region reaches its minimum size: is the threshold larger than the map?</source>
+   <translation>Keine Region erreicht ihre Mindestgröße: Ist der Schwellenwert größer als die Karte?</translation>
+  </message>
+  <message>
+   <source>No relevant edges for {}.</source>
+   <translation>Keine relevanten Kanten für {}.</translation>
+  </message>
+  <message>
+   <source>No solution costs less than {:.6g}</source>
+   <translation>Keine Lösung kostet weniger als {:.6g}</translation>
+  </message>
+  <message>
+   <source>No solution in which every area that is large enough by itself is a core costs less than {:.6g}</source>
+   <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {:.6g}</translation>
+  </message>
+  <message>
+   <source>No vertex to end a cut at: {}, edges opposite a concave corner, where the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there.</source>
+   <translation>Kein Stützpunkt, an dem ein Schnitt enden könnte: {}, Kanten gegenüber einer einspringenden Ecke, wo der Weg herum mehr als tau-mal so lang ist wie der Weg hinüber. Setzen Sie NEW_VERTICES, um dort zu schneiden.</translation>
+  </message>
+  <message>
+   <source>Not cut: {}; see the field status of the parts.</source>
+   <translation>Nicht zerlegt: {}; siehe das Feld status der Teile.</translation>
+  </message>
+  <message>
    <source>Not everything can be cut: {reasons}</source>
    <translation>Nicht alles lässt sich zerlegen: {reasons}</translation>
+  </message>
+  <message>
+   <source>Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours may be wrong. Run Fix geometries on the layer first.</source>
+   <translation>Nicht gültig (ein Umriss kreuzt sich selbst, zum Beispiel): {}, {}{}. Größen und Nachbarn können falsch sein. Führen Sie auf dem Layer zuerst „Geometrien reparieren“ aus.</translation>
   </message>
   <message>
    <source>Nothing is missing: all tools can run.</source>
@@ -740,6 +836,10 @@
    <translation>Anzahl relevanter Kanten</translation>
   </message>
   <message>
+   <source>Of {} above half of the minimum size, {} lost their class{}{}.</source>
+   <translation>Über der Hälfte der Mindestgröße: {}; davon haben {} die Klasse verloren{}{}.</translation>
+  </message>
+  <message>
    <source>On: the map stays inside the extent that it has, but for the growth below, and reaches to its sides. Off: it grows as it likes, the region stays where it is, and the outermost points keep their scale.</source>
    <translation>An: Die Karte bleibt in ihrer Ausdehnung, bis auf das Wachstum unten, und reicht bis an deren Ränder. Aus: Sie wächst, wie sie mag, die Region bleibt an ihrem Ort, und die äußersten Punkte behalten ihren Maßstab.</translation>
   </message>
@@ -804,6 +904,10 @@
    <translation>Region, die vergrößert wird</translation>
   </message>
   <message>
+   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no neighbours that would make it large enough.</source>
+   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}. Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
+  </message>
+  <message>
    <source>Regions</source>
    <translation>Regionen</translation>
   </message>
@@ -860,6 +964,14 @@
    <translation>Nur gewählte Objekte</translation>
   </message>
   <message>
+   <source>Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {:,} where the outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU.</source>
+   <translation>Nicht beachtet: {} und {} mit weniger auf einer Seite als SMALLEST_PART (oder MIN_HOLE); {:,}, wo der Umriss nicht einspringt oder das Polygon sich nicht weitet (PLACES). Wenn Schnitte fehlen, senken Sie TAU oder SMALLEST_PART, oder setzen Sie PLACES auf Any; wenn es zu viele sind, erhöhen Sie TAU.</translation>
+  </message>
+  <message>
+   <source>Shapely's triangulation is used: as good as others, but slower.</source>
+   <translation>Shapely trianguliert: so gut wie andere, aber langsamer.</translation>
+  </message>
+  <message>
    <source>Share of the area whose class changed</source>
    <translation>Anteil der Fläche, deren Klasse gewechselt hat</translation>
   </message>
@@ -908,6 +1020,10 @@
    <translation>Tabelle der Klassenabstände</translation>
   </message>
   <message>
+   <source>The Python package {} is faster.</source>
+   <translation>Das Python-Paket {} ist schneller.</translation>
+  </message>
+  <message>
    <source>The areas of a map, which fill it without overlaps and gaps.</source>
    <translation>Die Flächen einer Karte, die sie ohne Überlappungen und Lücken füllen.</translation>
   </message>
@@ -932,6 +1048,10 @@
    <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), den Teilen auf beiden Seiten (part_a, part_b; gleich, wo ein Schnitt nur ein Loch anschließt) und share (die kleinere Seite in Prozent der Fläche des Objekts; leer, wo das nicht gemessen wurde).</translation>
   </message>
   <message>
+   <source>The excluded class {} is not on the map.</source>
+   <translation>Die ausgeschlossene Klasse {} kommt auf der Karte nicht vor.</translation>
+  </message>
+  <message>
    <source>The field that is equal for the pieces of one area. Default: area_id, if there are fields area_id and piece.</source>
    <translation>Das Feld, das für die Stücke einer Fläche gleich ist. Ohne Angabe: area_id, wenn es Felder area_id und piece gibt.</translation>
   </message>
@@ -944,6 +1064,10 @@
    <translation>Das Feld mit der Klasse jeder Fläche. Flächen ohne Klasse werden gemeldet.</translation>
   </message>
   <message>
+   <source>The field {} tells which pieces belong to one area.</source>
+   <translation>Das Feld {} sagt, welche Stücke zu einer Fläche gehören.</translation>
+  </message>
+  <message>
    <source>The largest detour in the finest level: how many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
    <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
@@ -954,6 +1078,18 @@
   <message>
    <source>The layers could not be written.</source>
    <translation>Die Layer konnten nicht geschrieben werden.</translation>
+  </message>
+  <message>
+   <source>The map becomes {:.0f} % wider and {:.0f} % higher.</source>
+   <translation>Die Karte wird um {:.0f} % breiter und um {:.0f} % höher.</translation>
+  </message>
+  <message>
+   <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
+   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der mittabstandstreuen Zylinderprojektion mit wahren Längen bei der Breite {:.1f}; das Ergebnis ist in Grad.</translation>
+  </message>
+  <message>
+   <source>The number of regions is not used by the exact method.</source>
+   <translation>Das exakte Verfahren beachtet die Anzahl der Regionen nicht.</translation>
   </message>
   <message>
    <source>The polygons or lines of the map. All features are solved together.</source>
@@ -970,6 +1106,10 @@
   <message>
    <source>The relevant edges where they are in the focus map: kind (selected, given, or join between islands), length before, and stretch (length after over length before).</source>
    <translation>Die relevanten Kanten, wo sie in der Fokuskarte liegen: kind (selected: gewählt, given: gegeben, join: Verbindung zwischen Inseln), length (Länge vorher) und stretch (Länge nachher durch Länge vorher).</translation>
+  </message>
+  <message>
+   <source>The time was over. {}</source>
+   <translation>Die Zeit war um. {}</translation>
   </message>
   <message>
    <source>These Python packages are missing in QGIS. A click fetches them from pypi.org and puts them into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above all, stay as they are.</source>
@@ -1044,6 +1184,10 @@
    <translation>Minimiert wird: Anzahl, Länge, Gewicht der Schnitte</translation>
   </message>
   <message>
+   <source>What was half written has been removed.</source>
+   <translation>Halb Geschriebenes wurde entfernt.</translation>
+  </message>
+  <message>
    <source>Where a cut may lie</source>
    <translation>Wo ein Schnitt liegen darf</translation>
   </message>
@@ -1054,6 +1198,10 @@
   <message>
    <source>Where the curve starts; 0 starts with no cut at all, but those that connect holes.</source>
    <translation>Wo die Kurve beginnt; 0 beginnt ganz ohne Schnitte, bis auf die, die Löcher anschließen.</translation>
+  </message>
+  <message>
+   <source>Without a class: {}. Aggregation will leave such areas as they are.</source>
+   <translation>Ohne Klasse: {}. Die Zusammenfassung wird solche Flächen lassen, wie sie sind.</translation>
   </message>
   <message>
    <source>Write the layers</source>
@@ -1084,6 +1232,30 @@
    <translation>annealing: so lange laufen, statt einer Anzahl von Schritten; dann können zwei Läufe sich unterscheiden. exact: die Zeitgrenze, 60 bei 0.</translation>
   </message>
   <message>
+   <source>area</source>
+   <translation>Fläche</translation>
+  </message>
+  <message>
+   <source>areas</source>
+   <translation>Flächen</translation>
+  </message>
+  <message>
+   <source>cut</source>
+   <translation>Schnitt</translation>
+  </message>
+  <message>
+   <source>cuts</source>
+   <translation>Schnitte</translation>
+  </message>
+  <message>
+   <source>diagonal</source>
+   <translation>Diagonale</translation>
+  </message>
+  <message>
+   <source>diagonals</source>
+   <translation>Diagonalen</translation>
+  </message>
+  <message>
    <source>equal: every change counts 1. code: hierarchical codes such as CORINE's; the share of the digits from the first differing one on (311 to 312: 1/3). table: from a table.</source>
    <translation>equal (gleich): Jeder Wechsel zählt 1. code: hierarchische Codes wie die von CORINE; der Anteil der Ziffern ab der ersten verschiedenen (311 zu 312: 1/3). table: aus einer Tabelle.</translation>
   </message>
@@ -1096,16 +1268,96 @@
    <translation>schnellere Triangulation, und Fokuskarten</translation>
   </message>
   <message>
+   <source>feature</source>
+   <translation>Objekt</translation>
+  </message>
+  <message>
+   <source>features</source>
+   <translation>Objekte</translation>
+  </message>
+  <message>
+   <source>gap</source>
+   <translation>Lücke</translation>
+  </message>
+  <message>
+   <source>gaps</source>
+   <translation>Lücken</translation>
+  </message>
+  <message>
    <source>greedy: quick. annealing: better the longer it runs. exact: best, for small maps.</source>
    <translation>greedy: schnell. annealing: um so besser, je länger es läuft. exact: am besten, für kleine Karten.</translation>
+  </message>
+  <message>
+   <source>hole</source>
+   <translation>Loch</translation>
+  </message>
+  <message>
+   <source>holes</source>
+   <translation>Löcher</translation>
+  </message>
+  <message>
+   <source>independent part</source>
+   <translation>unabhängiger Teil</translation>
+  </message>
+  <message>
+   <source>independent parts</source>
+   <translation>unabhängige Teile</translation>
   </message>
   <message>
    <source>keep classes: as little as possible changes its class. compact: short boundaries, and areas near their region's core. balanced: between both.</source>
    <translation>keep classes: Möglichst wenig wechselt die Klasse. compact: kurze Grenzen, und Flächen nah am Kern ihrer Region. balanced: dazwischen.</translation>
   </message>
   <message>
+   <source>level</source>
+   <translation>Ebene</translation>
+  </message>
+  <message>
+   <source>levels</source>
+   <translation>Ebenen</translation>
+  </message>
+  <message>
    <source>not for commercial use</source>
    <translation>nicht für kommerzielle Nutzung</translation>
+  </message>
+  <message>
+   <source>pair</source>
+   <translation>Paar</translation>
+  </message>
+  <message>
+   <source>pairs</source>
+   <translation>Paare</translation>
+  </message>
+  <message>
+   <source>part</source>
+   <translation>Teil</translation>
+  </message>
+  <message>
+   <source>parts</source>
+   <translation>Teile</translation>
+  </message>
+  <message>
+   <source>place</source>
+   <translation>Stelle</translation>
+  </message>
+  <message>
+   <source>places</source>
+   <translation>Stellen</translation>
+  </message>
+  <message>
+   <source>programme</source>
+   <translation>Programm</translation>
+  </message>
+  <message>
+   <source>programmes</source>
+   <translation>Programme</translation>
+  </message>
+  <message>
+   <source>region</source>
+   <translation>Region</translation>
+  </message>
+  <message>
+   <source>regions</source>
+   <translation>Regionen</translation>
   </message>
   <message>
    <source>regions: between all regions. classes: only between regions of different class.</source>
@@ -1134,6 +1386,66 @@
   <message>
    <source>{wanted} parts of each feature: {parts} parts, {cuts} cuts</source>
    <translation>{wanted} Teile jedes Objekts: {parts} Teile, {cuts} Schnitte</translation>
+  </message>
+  <message>
+   <source>{} (gap {:.2f} %; {}, {} solved).</source>
+   <translation>{} (Lücke {:.2f} %; {}; gelöst: {}).</translation>
+  </message>
+  <message>
+   <source>{} and {}</source>
+   <translation>{} und {}</translation>
+  </message>
+  <message>
+   <source>{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU gives more cuts to choose from.</source>
+   <translation>So viele oder so wenige Teile (PARTS) sind nicht möglich für {}; dort ist es die nächstbeste Anzahl. Ein kleineres TAU gibt mehr Schnitte zur Auswahl.</translation>
+  </message>
+  <message>
+   <source>{} class distances are listed in one direction only; the other way they are taken as equal.</source>
+   <translation>{} Entfernungen von Klassen sind nur in einer Richtung angegeben; in der anderen gelten sie als gleich.</translation>
+  </message>
+  <message>
+   <source>{} features, {} points.</source>
+   <translation>{} Objekte, {} Punkte.</translation>
+  </message>
+  <message>
+   <source>{} in at most {} of a feature, made by {}.</source>
+   <translation>{} in höchstens {} je Objekt, durch {}.</translation>
+  </message>
+  <message>
+   <source>{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours there.</source>
+   <translation>{} ohne Fläche in der Karte, bei {}{}. Flächen beiderseits einer Lücke sind dort keine Nachbarn.</translation>
+  </message>
+  <message>
+   <source>{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part twice.</source>
+   <translation>{} überlappender Flächen: {}{}. Daran wurde nichts geändert; Größen zählen den gemeinsamen Teil doppelt.</translation>
+  </message>
+  <message>
+   <source>{} of {} relevant edges were left out: an end is not a point of the map.</source>
+   <translation>{} von {} relevanten Kanten wurden weggelassen: Ein Ende ist kein Punkt der Karte.</translation>
+  </message>
+  <message>
+   <source>{} points were put into lines where others meet or cross them.</source>
+   <translation>{} Punkte wurden in Linien eingefügt, wo andere auf sie treffen oder sie kreuzen.</translation>
+  </message>
+  <message>
+   <source>{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging and splitting single regions.</source>
+   <translation>{} Regionen waren gewünscht; näher als {} ließen Schwellenwerte und Nachbarn beim Verschmelzen und Teilen einzelner Regionen nicht zu.</translation>
+  </message>
+  <message>
+   <source>{} smaller than 1 per cent of the feature.</source>
+   <translation>{} kleiner als 1 Prozent des Objekts.</translation>
+  </message>
+  <message>
+   <source>{} {} of {}</source>
+   <translation>{} {} von {}</translation>
+  </message>
+  <message>
+   <source>{}, made by {} of {} in all. The largest detour left is {:.4g}.</source>
+   <translation>{}, durch {} von insgesamt {}. Der größte verbliebene Umweg ist {:.4g}.</translation>
+  </message>
+  <message>
+   <source>{}: features {}{} have no place in the CRS of the map, and are carried without a geometry.</source>
+   <translation>{}: Die Objekte {}{} haben im KBS der Karte keinen Ort und werden ohne Geometrie übernommen.</translation>
   </message>
  </context>
 </TS>

@@ -2,6 +2,8 @@
 
 import importlib.util
 import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -74,6 +76,39 @@ def provider(qgis_app, qgis_processing):
         provider = IsthmusProvider()
         registry.addProvider(provider)
     yield provider
+
+
+@pytest.fixture(scope="session")
+def qgis_process(tmp_path_factory):
+    """Run the real qgis_process with this plugin, in a profile of its own: ``qgis_process("run", ...)``.
+
+    It returns what was printed, of one that ``fails`` the errors as well.
+    """
+    program = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
+    if not program:
+        pytest.skip("no qgis_process on this machine")
+    import shapely
+
+    home = tmp_path_factory.mktemp("qgis_process")
+    (home / "plugins").mkdir()
+    (home / "plugins" / "isthmus").symlink_to(ROOT)
+    (home / "runtime").mkdir(mode=0o700)
+    environment = {
+        **os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_PLUGINPATH": str(home / "plugins"),
+        "QGIS_CUSTOM_CONFIG_PATH": str(home / "profile"), "XDG_RUNTIME_DIR": str(home / "runtime"),
+        "PYTHONPATH": str(Path(shapely.__file__).parents[1]),  # the packages of this environment
+    }  # fmt: skip
+
+    def qgis_process(*words, fails=False, folder=None):
+        done = subprocess.run(
+            [program, *map(str, words)], env=environment, cwd=folder, stdin=subprocess.DEVNULL,
+            capture_output=True, encoding="utf-8",
+        )  # fmt: skip
+        assert (done.returncode != 0) == fails, done.stdout + done.stderr
+        return done.stdout + done.stderr * fails
+
+    assert "Enabled" in qgis_process("plugins", "enable", "isthmus")
+    return qgis_process
 
 
 @pytest.fixture(scope="session")

@@ -7,11 +7,9 @@ plant drifts in copies.
 import ast
 import copy
 import json
-import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -41,9 +39,8 @@ import reference  # noqa: E402
 
 pytestmark = pytest.mark.skipif(not (ROOT / "docs").is_dir(), reason="the pages are not here")
 
-QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 PROSE = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/gallery.md", "docs/choosing_tau.md",
-         "docs/architecture.md", "docs/more_than_one_machine.md"]  # fmt: skip
+         "docs/architecture.md", "docs/more_than_one_machine.md", "docs/first_ten_minutes.md"]  # fmt: skip
 CODE = re.compile(r"`([^`]+)`")
 # Lower-case words in code that are no field of a tool
 OTHER_WORDS = {"algorithms", "core", "check", "isthmus", *"arabia baltic countries countries_europe".split()}
@@ -268,6 +265,8 @@ def maker(path, root=ROOT):
     if path.parent.name == "resources":
         script = f"tools/{path.stem}.py"
         return (script, script) if (root / script).exists() else (None, None)
+    if path.parent.name == "first_minutes":
+        return "tools/first_minutes.py", "./run first-minutes"
     if path.stem == "python":
         return "tools/python_picture.py", "python_picture"
     for script in ("gallery", "choosing_tau"):
@@ -487,37 +486,17 @@ def outline(path):
     assert QgsVectorFileWriter.writeAsVectorFormatV3(layer, str(path), context, options)[0] == 0
 
 
-@pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
-def test_commands_for_real(tmp_path):
+def test_commands_for_real(qgis_process, tmp_path):
     """The README's command, and one of the gallery, whose numbers must be those on the page."""
     outline(tmp_path / "build/gallery/western_europe.gpkg")
     shutil.copy(tmp_path / "build/gallery/western_europe.gpkg", tmp_path / "countries.gpkg")
-    (tmp_path / "plugins").mkdir()
-    (tmp_path / "plugins/isthmus").symlink_to(ROOT)
-    environment = {
-        **os.environ,
-        "QT_QPA_PLATFORM": "offscreen",
-        "XDG_RUNTIME_DIR": os.environ.get("XDG_RUNTIME_DIR", str(tmp_path)),
-        "QGIS_CUSTOM_CONFIG_PATH": str(tmp_path / "profile"),
-        "QGIS_PLUGINPATH": str(tmp_path / "plugins"),
-    }
-
-    def call(*words):
-        done = subprocess.run(
-            [QGIS_PROCESS, *words], cwd=tmp_path, env=environment, stdin=subprocess.DEVNULL,
-            capture_output=True, encoding="utf-8",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    call("plugins", "enable", "isthmus")
     (readme,) = command_lines(page("README.md"))
-    call(*readme[1:])
+    qgis_process(*readme[1:], folder=tmp_path)
     assert QgsVectorLayer(str(tmp_path / "parts.gpkg")).featureCount() > 1
     result = measured.entry(measured.results(), "gallery.western_europe.MinSize")
     gallery = shlex.split(result["command"].replace("\\\n", ""))
     assert gallery[:2] == ["./run", "qgis_process"] and gallery in command_lines(page("docs/gallery.md"))
-    answer = call("run", "--json", *gallery[3:])
+    answer = qgis_process("run", "--json", *gallery[3:], folder=tmp_path)
     found = json.loads(answer[answer.index("{"):])["results"]
     assert (found["PART_COUNT"], found["CUT_COUNT"]) == (result["parts"], result["cuts"])
     assert found["CUT_LENGTH"] / 1000 == pytest.approx(result["km"], abs=0.001)

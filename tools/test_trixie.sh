@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# `./run test` on Debian 13 (QGIS 3.40, Python 3.13): ./run test-trixie [pytest arguments].
+# `./run` on Debian 13 (QGIS 3.40, Python 3.13): ./run test-trixie [pytest arguments], ./run trixie COMMAND ...
 #
-#   test_trixie.sh SNAPSHOT CHROOT USER_HOME [pytest arguments]
+#   test_trixie.sh SNAPSHOT CHROOT USER_HOME COMMAND [ARGUMENTS]
 #
 # `./run` calls it as root with a copy of the checkout. The first call makes the Debian by debootstrap in
 # CHROOT (from $DEBIAN_MIRROR, or the mirror of this machine), later ones reuse it. All mounts are in a
@@ -97,7 +97,7 @@ lend_network() {
     done
 }
 
-# --- the tests in it --------------------------------------------------------------------------------
+# --- the command in it --------------------------------------------------------------------------------
 
 put_checkout() {
     local checkout=$chroot/root/isthmus venv=$chroot/root/venv
@@ -109,10 +109,16 @@ put_checkout() {
 }
 
 [ -x "$chroot/usr/sbin/chroot" ] || make_chroot
+mount --bind "$chroot" "$chroot" # a root of its own, so that in there a namespace can be made, too
 lend_network
 put_checkout
 mount -t proc proc "$chroot/proc"
 mount --rbind /dev "$chroot/dev"
-say "testing on Debian $(cat "$chroot/etc/debian_version")"
+# Qt asks the authorities of the system, and no variable
+if ! diff -rq /usr/local/share/ca-certificates "$chroot/usr/local/share/ca-certificates" >/dev/null 2>&1; then
+    cp -r /usr/local/share/ca-certificates "$chroot/usr/local/share/" 2>/dev/null || true
+    chroot "$chroot" /usr/bin/env PATH=/usr/sbin:/usr/bin:/sbin:/bin update-ca-certificates >/dev/null 2>&1 || true
+fi
+say "on Debian $(cat "$chroot/etc/debian_version"): ./run $*"
 chroot "$chroot" /usr/bin/env -i "${environment[@]}" \
-    /bin/bash -c 'cd /root/isthmus && exec ./run test "$@"' run "$@"
+    /bin/bash -c 'cd /root/isthmus && exec ./run "$@"' run "$@"

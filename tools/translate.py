@@ -80,7 +80,7 @@ def faults(wanted, translations):
     found = [f"not translated: {text}" for text in sorted(wanted) if not translations.get(text)]
     found += [f"translated, but said nowhere: {text}" for text in sorted(set(translations) - wanted)]
     for source, translation in translations.items():
-        for what, pattern in (("fields", r"\{\w*(?::\w+)?\}"), ("tags", r"</?\w+>")):
+        for what, pattern in (("fields", r"\{\w*(?::[^{}]+)?\}"), ("tags", r"</?\w+>")):
             if translation and sorted(re.findall(pattern, source)) != sorted(re.findall(pattern, translation)):
                 found.append(f"other {what} than in the source: {translation}")
         # names of parameters and values are the same in all languages
@@ -124,9 +124,13 @@ def said():
     for folder in ("gui", "algorithms"):
         for path in (ROOT / folder).rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "tr":
-                    if isinstance(node.args[0], ast.Constant):
-                        texts.add(node.args[0].value)
+                if not isinstance(node, ast.Call) or not isinstance(node.args and node.args[-1], ast.Constant):
+                    continue
+                word = node.args[-1].value
+                if getattr(node.func, "id", "") == "tr":
+                    texts.add(word)
+                elif getattr(node.func, "id", "") == "counted":
+                    texts |= {word, f"{word}s"}
     return texts
 
 

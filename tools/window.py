@@ -86,21 +86,24 @@ def main():
     start.write_text(
         f"import sys\nsys.path.insert(0, {str(ROOT / 'tools')!r})\nimport window\nwindow.inside()\n"
     )
-    environment = dict(
-        os.environ,
-        QT_QPA_PLATFORM="xcb",
-        ISTHMUS_WINDOW=json.dumps([str(out), choice.scenes or list(SCENES)]),
+    environment = dict(os.environ, ISTHMUS_WINDOW=json.dumps([str(out), choice.scenes or list(SCENES)]))
+    done = on_a_screen(
+        ["qgis", "--nologo", "--noversioncheck", "--code", str(start)], out, environment, choice.size
     )
-    with open(out / "qgis.log", "w", encoding="utf-8") as log:
-        done = subprocess.run(
-            ["xvfb-run", "-a", "-s", f"-screen 0 {choice.size}x24", "sh", "-c",
-             'openbox 2>/dev/null & exec "$@"', "sh",
-             "timeout", "1800", "qgis", "--nologo", "--noversioncheck", "--code", str(start)],
-            env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
-        )  # fmt: skip
     print((out / "said.txt").read_text(encoding="utf-8") if (out / "said.txt").exists() else "")
     if done.returncode:
         sys.exit(f"QGIS ended with {done.returncode}; see {out / 'qgis.log'}")
+
+
+def on_a_screen(command, out, environment, size):
+    """Run a command that opens windows on a virtual screen with a window manager; log in ``out``."""
+    with open(out / "qgis.log", "w", encoding="utf-8") as log:
+        return subprocess.run(
+            ["xvfb-run", "-a", "-s", f"-screen 0 {size}x24", "sh", "-c",
+             'openbox 2>/dev/null & exec "$@"', "sh", "timeout", "1800", *command],
+            env={**environment, "QT_QPA_PLATFORM": "xcb"},
+            stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+        )  # fmt: skip
 
 
 # --- Inside: scenes, each a generator that yields what to wait for ------------------------------------
@@ -124,6 +127,8 @@ def inside():
 
 class Stage:
     """The window, and what the scenes do with it."""
+
+    patience = 300.0  # seconds
 
     def __init__(self, out):
         self.out = out
@@ -157,7 +162,7 @@ class Stage:
                 self.shot("failed")
                 os._exit(1)
             if callable(wanted):
-                asked = wanted, time.monotonic() + 300.0
+                asked = wanted, time.monotonic() + self.patience
                 return later(0.05)
             asked = None, 0.0
             later(wanted)

@@ -16,7 +16,7 @@ from qgis.core import (
 from ...core.aggregation.presets import PRESETS
 from ..base import LARGEST, IsthmusAlgorithm
 from ..dependencies import install_hint
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers.fields import INTEGER, LONG, REAL, TEXT
 from .areas_tool import AreasTool
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))

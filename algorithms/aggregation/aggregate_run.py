@@ -22,10 +22,11 @@ from ...core.aggregation.tables import distances, thresholds
 from ...core.errors import Cancelled, IsthmusError
 from ..base import counted
 from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
+from ..layers.fields import LONG, make_fields
+from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
-from ..layers.wkb import LONG
+from ..words import tr
 from . import areas as layer
 from . import report
 from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS
@@ -56,11 +57,17 @@ def aggregate(tool, parameters, context, feedback):
         tool.CENTRE_COST: cost.centre,
         tool.CHANGED_SHARE: cost.changed_size / size if size else 0.0,
     })
-    feedback.pushInfo(
-        f"Cost {cost.total:.6g}: class change {cost.change:.6g}, boundary {cost.boundary:.6g}, "
-        f"centre distance {cost.centre:.6g}. {results[tool.REGION_COUNT]} regions; "
-        f"{100 * results[tool.CHANGED_SHARE]:.2f} % of the area changed its class."
-    )
+    feedback.pushInfo(tr(
+        "Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % "
+        "of the area changed its class."
+    ).format(
+        cost.total,
+        cost.change,
+        cost.boundary,
+        cost.centre,
+        results[tool.REGION_COUNT],
+        100 * results[tool.CHANGED_SHARE],
+    ))
     if bound is not None:
         # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
         results[tool.LOWER_BOUND] = float(min(bound, cost.total))
@@ -117,9 +124,9 @@ class _Run:
         found, size = piece_fields(source.fields().names())
         if self.id_index < 0 and found >= 0:
             self.id_index = found
-            feedback.pushInfo(
-                f"The field {source.fields()[found].name()} tells which pieces belong to one area."
-            )
+            feedback.pushInfo(tr(
+                "The field {} tells which pieces belong to one area."
+            ).format(source.fields()[found].name()))
         if self.id_index == found:
             self.size_index = size
 
@@ -145,20 +152,20 @@ class _Run:
         """Read the layer and the tables into a problem."""
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
-        self.reader = Reader(self.source, feedback)
+        self.reader = Reader(self.source, feedback, keep=True)
         feedback.setProgressText("Reading the areas")
         areas = self.areas = layer.read(self.reader, crs)
         feedback.setProgressText("Finding shared boundaries")
-        texts = [layer.text(one.attributes()[self.class_index]) for one in areas.features]
+        texts = layer.texts(areas.features, self.class_index)
         self.reason = reasons_of(areas, texts, [
             "it is empty" if one.hasGeometry() else "it has no geometry" for one in areas.features
         ])  # fmt: skip
         self._tell_invalid(set(invalid(areas).tolist()) - set(self.reason))
         for k, reason in self.reason.items():
-            feedback.pushWarning(f"Area {areas.features[k].id()} is left as it is: {reason}.")
+            feedback.pushWarning(tr("Area {} is left as it is: {}.").format(areas.features[k].id(), reason))
         self.classes = sorted({one for one in texts if one is not None})
         if not self.classes:
-            feedback.pushWarning("No area has a class: there is nothing to aggregate.")
+            feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
         with _told():
             self.problem = posed(
                 areas, texts, self.classes, list(self.reason), self._thresholds(), self._distances(),
@@ -175,7 +182,7 @@ class _Run:
             filter(None, (part.strip() for part in text.split(","))),
         )
         for one in absent:
-            self.feedback.pushInfo(f"The excluded class {one} is not on the map.")
+            self.feedback.pushInfo(tr("The excluded class {} is not on the map.").format(one))
         return theta
 
     def _distances(self):
@@ -189,21 +196,20 @@ class _Run:
             table = _rows(source, "DISTANCES", ("from", "to", "distance"))
         matrix, one_way = distances(self.classes, kind, table)
         if one_way:
-            self.feedback.pushInfo(
-                f"{one_way} class distances are listed in one direction only; the other way they are "
-                "taken as equal."
-            )
+            self.feedback.pushInfo(tr(
+                "{} class distances are listed in one direction only; the other way they are taken as "
+                "equal."
+            ).format(one_way))
         return matrix
 
     def _tell_invalid(self, numbers, most=10):
         """Warn of areas that are not valid."""
         if numbers:
             ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
-            self.feedback.pushWarning(
-                f"Not valid (an outline crosses itself, for one): {counted(len(ids), 'area')}, "
-                f"{', '.join(ids[:most])}{' ...' * (len(ids) > most)}. Their sizes and neighbours may "
+            self.feedback.pushWarning(tr(
+                "Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours may "
                 "be wrong. Run Fix geometries on the layer first."
-            )
+            ).format(counted(len(ids), "area"), ", ".join(ids[:most]), " ..." * (len(ids) > most)))
 
     def solve(self):
         """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
@@ -233,27 +239,35 @@ class _Run:
         if result:
             self._tell_gap(result, decompose)
             if count:
-                feedback.pushWarning("The number of regions is not used by the exact method.")
+                feedback.pushWarning(tr("The number of regions is not used by the exact method."))
         elif count and len(found.core) != count:
-            feedback.pushWarning(
-                f"{count - shapeless} regions were wanted, and {len(found.core) - shapeless} is as "
-                "near as thresholds and neighbours allowed by merging and splitting single regions."
-            )
+            feedback.pushWarning(tr(
+                "{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging "
+                "and splitting single regions."
+            ).format(count - shapeless, len(found.core) - shapeless))
         return found, result and result.bound
 
     def _tell_gap(self, result, decompose):
         total = costs(self.problem, result.found).total
         gap = max(0.0, 1.0 - result.bound / total) if total else 0.0
-        kind = " in which every area that is large enough by itself is a core" * decompose
-        if result.proven:
-            said = f"No solution{kind} costs less"
+        if decompose:
+            said = tr(
+                "No solution in which every area that is large enough by itself is a core costs less than "
+                "{:.6g}"
+            )
         else:
-            said = f"The time was over. No solution{kind} costs less than {result.bound:.6g}"
-        self.feedback.pushInfo(
-            f"{said} (gap {100 * gap:.2f} %; "
-            f"{counted(result.parts, 'independent part')}, "
-            f"{counted(result.rounds, 'programme')} solved)."
-        )
+            said = tr("No solution costs less than {:.6g}")
+        said = said.format(result.bound)
+        if not result.proven:
+            said = tr("The time was over. {}").format(said)
+        self.feedback.pushInfo(tr(
+            "{} (gap {:.2f} %; {}, {} solved)."
+        ).format(
+            said,
+            100 * gap,
+            counted(result.parts, "independent part"),
+            counted(result.rounds, "programme"),
+        ))
 
     def write(self, found, sinks):
         """Write the layers; return the numbers."""
@@ -307,11 +321,10 @@ class _Run:
         lost, many = (sum(row[k] for row in made.lost) for k in (1, 2))
         results[tool.LOST_COUNT] = lost
         if many:
-            some = "; ".join(f"{name} {gone} of {of}" for name, gone, of in made.lost if gone)
-            self.feedback.pushInfo(
-                f"Of {counted(many, 'area')} above half of the minimum size, {lost} lost their class"
-                f"{': ' * bool(some)}{some}."
-            )
+            some = "; ".join(tr("{} {} of {}").format(name, gone, of) for name, gone, of in made.lost if gone)
+            self.feedback.pushInfo(tr(
+                "Of {} above half of the minimum size, {} lost their class{}{}."
+            ).format(counted(many, "area"), lost, ": " * bool(some), some))
         path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
         if not path or self.feedback.isCanceled():
             return
@@ -328,7 +341,7 @@ class _Run:
         """What identifies the area of each feature: pieces of one area have the same."""
         if self.id_index < 0:
             return list(range(len(self.areas.features)))
-        ids = [layer.text(one.attributes()[self.id_index]) for one in self.areas.features]
+        ids = layer.texts(self.areas.features, self.id_index)
         return [k if one is None else one for k, one in enumerate(ids)]
 
     def _shape(self, group, polygons, extra, multi):
@@ -347,16 +360,16 @@ class _Run:
     def _report_small(self, small, found, size, faults, most=20):
         for r in small[:most]:
             core = self.areas.features[int(found.core[r])]
-            self.feedback.pushWarning(
-                f"Region {r + 1} around area {core.id()} ({size[r]:.6g} square metres) could not be "
-                f"helped: {faults[r]}. It has no neighbours that would make it large enough."
-            )
+            self.feedback.pushWarning(tr(
+                "Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no "
+                "neighbours that would make it large enough."
+            ).format(r + 1, core.id(), size[r], faults[r]))
         if len(small) > most:
-            self.feedback.pushWarning(f"... and {len(small) - most} more; see the field status.")
+            self.feedback.pushWarning(tr("... and {} more; see the field status.").format(len(small) - most))
         if len(small) == len(found.core) > 0:
-            self.feedback.pushWarning(
+            self.feedback.pushWarning(tr(
                 "No region reaches its minimum size: is the threshold larger than the map?"
-            )
+            ))
 
     def _assignment(self, found, out, shapes, wkb_type, sinks):
         """Write the areas with their regions, the pieces of one area that ended in one as one."""

@@ -18,7 +18,7 @@ from ..partition.solving import measure_of
 def with_dimensions(geometry, wkb_type):
     """Return a geometry with the Z and M of a layer; what it lacks becomes 0."""
     own = geometry.wkbType()
-    if geometry.isNull():
+    if own == wkb_type or geometry.isNull():
         return geometry
     if QgsWkbTypes.hasZ(own) == QgsWkbTypes.hasZ(wkb_type) and (
         QgsWkbTypes.hasM(own) == QgsWkbTypes.hasM(wkb_type)
@@ -95,3 +95,15 @@ def union(geometries):
 def text(value):
     """Return a class as text; None where there is none."""
     return tables.text(None if value == NULL else value)
+
+
+def texts(features, index):
+    """Return the `text` of one field of each feature."""
+    known, found = {}, []
+    for feature in features:
+        value = feature.attribute(index)
+        key = type(value), str(value)  # 1, 1.0 and True are equal, too
+        if key not in known:
+            known[key] = text(value)
+        found.append(known[key])
+    return found

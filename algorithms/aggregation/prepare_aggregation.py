@@ -7,7 +7,7 @@ from qgis.core import (
     QgsProcessingParameterNumber,
 )
 
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
+from ..layers.fields import INTEGER, LONG, REAL, TEXT
 from ..partition.cutting import ANY, BY_LENGTH, BY_SIZE, PartitionTool
 from .areas_tool import AreasTool
 

@@ -16,11 +16,14 @@ from ...core.progress import checker
 from ...core.rings import Rings, offsets_of
 from ..base import counted
 from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
+from ..layers.fields import make_fields
+from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
-from ..partition.cutting import BY_LENGTH, NATURAL, report_short
+from ..partition.cutting import BY_LENGTH, NATURAL
+from ..partition.cutting_run import report_short
 from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
+from ..words import tr
 from . import areas as layer
 from .areas_tool import field_index
 from .prepare_aggregation import PAIR_FIELDS, PIECE_FIELDS
@@ -98,7 +101,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         problems = reasons_of(feature, status[lo:hi])
         if problems:
             skipped += 1
-            feedback.pushWarning(f"Area {feature.id()} was not cut: {'; '.join(problems)}.")
+            feedback.pushWarning(tr("Area {} was not cut: {}.").format(feature.id(), "; ".join(problems)))
     if feedback.isCanceled():
         return {}
 
@@ -156,21 +159,18 @@ def _report(feedback, kept, overlaps, gaps, classless, most=10):
     """Tell what is wrong with the coverage."""
     if len(overlaps):
         some = ", ".join(
-            f"{kept[a].id()} and {kept[b].id()}" for a, b in overlaps[:most].tolist()
+            tr("{} and {}").format(kept[a].id(), kept[b].id()) for a, b in overlaps[:most].tolist()
         )
-        feedback.pushWarning(
-            f"{counted(len(overlaps), 'pair')} of areas overlap: {some}"
-            f"{' ...' * (len(overlaps) > most)}. Nothing was changed about that; sizes count the common "
-            "part twice."
-        )
+        feedback.pushWarning(tr(
+            "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part twice."
+        ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most)))
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
-        feedback.pushWarning(
-            f"{counted(len(gaps), 'gap')} inside the map without an area, at {some}"
-            f"{' ...' * (len(gaps) > most)}. Areas on both sides of a gap are no neighbours there."
-        )
+        feedback.pushWarning(tr(
+            "{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours "
+            "there."
+        ).format(counted(len(gaps), "gap"), some, " ..." * (len(gaps) > most)))
     if classless:
-        feedback.pushWarning(
-            f"Without a class: {counted(classless, 'area')}. Aggregation will leave such areas as "
-            "they are."
-        )
+        feedback.pushWarning(tr(
+            "Without a class: {}. Aggregation will leave such areas as they are."
+        ).format(counted(classless, "area")))

@@ -1,21 +1,8 @@
 """The tool ``isthmus:focusmap``."""
 
-import contextlib
-import math
-import time
-from pathlib import Path
-
 import numpy as np
 from qgis.core import (
-    QgsCoordinateTransform,
-    QgsCsException,
-    QgsFeatureRequest,
-    QgsFeatureSink,
-    QgsFields,
-    QgsGeometry,
     QgsProcessing,
-    QgsProcessingContext,
-    QgsProcessingException,
     QgsProcessingOutputMultipleLayers,
     QgsProcessingOutputString,
     QgsProcessingParameterBoolean,
@@ -25,20 +12,12 @@ from qgis.core import (
     QgsProcessingParameterFileDestination,
     QgsProcessingParameterMultipleLayers,
     QgsProcessingParameterNumber,
-    QgsProcessingUtils,
-    QgsVectorFileWriter,
-    QgsVectorLayer,
-    QgsWkbTypes,
 )
 
 from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem, install_hint
-from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
-from ..layers.source import WITHOUT_VALIDITY_CHECK
-from ..layers.styles import style_on_load
-from ..layers.wkb import REAL, TEXT
-from ..partition.cutting import ANY, NATURAL, places_parameter
+from ..layers.fields import REAL, TEXT
+from ..partition.cutting import ANY, places_parameter
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -296,16 +275,6 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         )
         self.addOutput(QgsProcessingOutputString(self.PROBLEM, "What is wrong (empty if nothing is)"))
 
-    def _rule(self, parameters, context):
-        """The rule for relevant edges, as `selection.select` takes it."""
-        from ...core.focus.selection import rule_of
-
-        return rule_of(
-            self.parameterAsEnumString(parameters, self.SELECTION, context),
-            self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
-            self.parameterAsDouble(parameters, self.SMALLEST_PART, context) / 100.0,
-        )
-
     def parameter_problem(self, parameters, context):
         problem = scipy_problem()
         return (
@@ -317,277 +286,9 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         )
 
     def processAlgorithm(self, parameters, context, feedback):
-        source = self.parameterAsSource(parameters, self.INPUT, context)
-        focus_source = self.parameterAsSource(parameters, self.FOCUS, context)
-        for name, value in ((self.INPUT, source), (self.FOCUS, focus_source)):
-            if value is None:
-                raise QgsProcessingException(self.invalidSourceError(parameters, name))
-        from ...core.errors import Cancelled, IsthmusError
-        from ...core.focus.enlarge import enlarge
-        from ...core.focus.globe import on_the_globe
-        from ...core.metric import FARTHEST
+        from .focus_map_run import run  # what runs needs shapely, what declares must not
 
-        begun = time.monotonic()
-        crs = source.sourceCrs()
-        held, runs = [], []
-        for feature in source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK):
-            if feedback.isCanceled():
-                return {}
-            held.append(feature)
-            runs.append(wkb.Runs(feature.geometry()))
-        wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
-        for k in wrong:
-            runs[k] = wkb.Runs(QgsGeometry())  # as if it had none
-        if wrong:
-            ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
-            feedback.pushWarning(
-                "Left where they are, since coordinates are not finite (NaN or infinity) or larger than "
-                f"{FARTHEST:g}: feature {ids}."
-            )
-        counts = [count for one in runs for count in one.counts]
-        if not counts:
-            raise QgsProcessingException("The map has no features with a geometry that can be moved.")
-        rows = np.concatenate([one.xy for one in runs])
-        starts = np.append(0, np.cumsum(counts))
-        polygons, first = [], 0
-        for one in runs:
-            polygons += [[first + ring for ring in rings] for rings in one.polygons]
-            first += len(one.counts)
-        focus = self._focus(focus_source, crs, context)
-        given = self._given(parameters, context, crs, rows, feedback)
-        feedback.pushInfo(f"{len(held)} features, {len(rows)} points.")
-        frame = self.parameterAsBoolean(parameters, self.FRAME, context)
-        growth, aspect = self.parameterAsDouble(parameters, self.GROWTH, context) / 100.0, 1.0
-        if crs.isGeographic():
-            growth, aspect = on_the_globe(rows, growth)
-            feedback.pushInfo(
-                f"The map is in degrees ({crs.authid()}). It is solved in the equidistant cylindrical "
-                f"projection with true lengths at latitude {math.degrees(math.acos(aspect)):.1f}, and "
-                "the result is in degrees."
-            )
-        try:
-            result = enlarge(
-                rows,
-                starts,
-                polygons,
-                focus,
-                self.parameterAsDouble(parameters, self.SCALE, context),
-                edges=given,
-                rule=self._rule(parameters, context),
-                tau=self.parameterAsDouble(parameters, self.TAU, context),
-                frame=frame,
-                growth=growth,
-                aspect=aspect,
-                progress=lambda share: feedback.setProgress(95.0 * share),
-                cancelled=feedback.isCanceled,
-            )
-        except Cancelled:
-            return {}
-        except IsthmusError as problem:
-            message = str(problem).rstrip(".")
-            end = "" if message.endswith("?") else "."
-            raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
-        for reason in result.skipped[:20]:
-            feedback.pushWarning(f"No relevant edges for {reason}.")
-        if len(result.skipped) > 20:
-            feedback.pushWarning(f"... and for {len(result.skipped) - 20} more.")
-        if crs.isGeographic() and not (np.abs(result.rows) <= (180.0, 90.0)).all():
-            raise QgsProcessingException(
-                "The map would grow beyond the globe. Keep its extent (switch the frame on)."
-            )
-        width, height = (100.0 * (result.growth - 1.0)).tolist()
-        feedback.pushInfo(f"The map becomes {width:.0f} % wider and {height:.0f} % higher.")
-        if len(result.splits):
-            feedback.pushInfo(
-                f"{len(result.splits)} points were put into lines where others meet or cross them."
-            )
-        with Sinks(self, parameters, context, feedback) as sinks:
-            self._write(sinks, source, held, runs, result)
-            self._write_edges(sinks, crs, result)
-            answer = self._carry(parameters, context, crs, result, feedback)
-            feedback.setProgress(100)
-        answer.update(sinks.destinations)
-        style_on_load(context, answer.get(self.OUTPUT), None, 2)
-        style_on_load(context, answer.get(self.EDGES_USED), "cuts.qml", 0)
-        answer.update({
-            self.SCALE_REACHED: result.scale,
-            self.FLIPPED_AREA: 100.0 * result.distortion.flipped,
-            self.MEDIAN_DISTORTION: result.distortion.median,
-            self.HIGH_DISTORTION: result.distortion.high,
-            self.CROSSINGS: 0,  # no triangle is turned
-            self.EDGE_COUNT: len(result.edges),
-            self.SECONDS: time.monotonic() - begun,
-            self.PROBLEM: "",  # or there is no map at all
-        })
-        return answer
-
-    def _focus(self, source, crs, context):
-        """The region in focus, in the CRS of the map."""
-        import shapely
-
-        from ...core.metric import FARTHEST
-
-        found = []
-        for geometry in _geometries(source, crs, context):
-            data = bytes(_straight(geometry).asWkb())
-            # a ring of two points is no region
-            found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
-        found = [
-            one for one in found
-            if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
-        ]
-        if not found:
-            raise QgsProcessingException(
-                "The layer of the region to enlarge has no polygons whose coordinates are finite."
-            )
-        return shapely.union_all(shapely.make_valid(found))
-
-    def _given(self, parameters, context, crs, rows, feedback):
-        """The rows at the ends of relevant edges that were given, or None."""
-        source = self.parameterAsSource(parameters, self.EDGES, context)
-        if source is None:
-            return None
-        from ...core.focus.graph import match
-
-        ends = [np.empty((0, 2, 2))]
-        for geometry in _geometries(source, crs, context):
-            one, start = wkb.Runs(geometry), 0
-            for count in one.counts:
-                line = one.xy[start:start + count]
-                line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
-                ends.append(np.stack((line[:-1], line[1:]), axis=1))
-                start += count
-        ends = np.concatenate(ends)
-        found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
-        good = (found >= 0).all(axis=1)
-        if not good.all():
-            feedback.pushWarning(
-                f"{np.count_nonzero(~good)} of {len(good)} relevant edges were left out: an end is "
-                "not a point of the map."
-            )
-        return found[good]
-
-    def _write(self, sinks, source, held, runs, result):
-        kind = QgsWkbTypes.linearType(source.wkbType())
-        sinks.open(self.OUTPUT, source.fields(), kind, source.sourceCrs())
-        start = 0
-        row, vertex, share = result.splits.T
-        for feature, one in zip(held, runs):
-            count = sum(one.counts)
-            lo, hi = row.searchsorted((start, start + count))
-            splits = zip(
-                (row[lo:hi].astype(int) - start).tolist(),
-                result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
-            )
-            geometry = feature.geometry()
-            if count:
-                geometry = one.moved(result.rows[start:start + count], list(splits))
-            start += count
-            sinks.add(self.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
-
-    def _write_edges(self, sinks, crs, result):
-        fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
-        if not sinks.open(self.EDGES_USED, fields, kind, crs, False):
-            return
-        before, after = (
-            np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
-            for xy in (result.points, result.moved)
-        )
-        lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
-        for line, kind, length, longer in zip(
-            lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
-        ):
-            sinks.add(self.EDGES_USED, line, [kind, length, longer])
-
-    def _carry(self, parameters, context, crs, result, feedback):
-        layers = self.parameterAsLayerList(parameters, self.ALONG, context)
-        if not layers:
-            return {self.CARRIED_LAYERS: []}
-        from ...core.focus.carrying import Carrier
-
-        carrier = Carrier(result.points, result.moved, result.triangles)
-        path = self.parameterAsFileOutput(parameters, self.CARRIED, context)
-        path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
-        written, names = [], []
-        try:
-            for layer in layers:
-                if feedback.isCanceled():
-                    break
-                name = layer.name() or "layer"
-                while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
-                    name += "_2"
-                names.append(name.lower())
-                whole = QgsVectorFileWriter.ActionOnExistingFile
-                action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
-                written.append(
-                    self._carry_layer(layer, name, path, action, crs, carrier, context, feedback)
-                )
-        except QgsProcessingException:
-            _discard(path)
-            raise
-        if feedback.isCanceled():
-            _discard(path)
-            return {self.CARRIED_LAYERS: []}
-        return {self.CARRIED: path, self.CARRIED_LAYERS: written}
-
-    def _carry_layer(self, layer, name, path, action, crs, carrier, context, feedback):
-        options = QgsVectorFileWriter.SaveVectorOptions()
-        options.driverName, options.layerName = "GPKG", name
-        options.actionOnExistingFile = action
-        kind = QgsWkbTypes.linearType(layer.wkbType())
-        fields = QgsFields(layer.fields())
-        writer = QgsVectorFileWriter.create(
-            path, fields, kind, crs, context.transformContext(), options,
-            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
-        )  # fmt: skip
-        if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
-            raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
-        transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
-        count, lost = 0, []
-        for feature in layer.getFeatures():
-            count += 1
-            geometry = feature.geometry()
-            if not geometry.isNull():
-                try:
-                    geometry.transform(transform)
-                    one = wkb.Runs(geometry)
-                    placed = np.isfinite(one.xy).all()
-                except QgsCsException:
-                    placed = False
-                if not placed:
-                    feature.clearGeometry()
-                    lost.append(feature.id())
-                elif one.counts:
-                    feature.setGeometry(one.moved(carrier(one.xy)))
-            if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-                raise QgsProcessingException(
-                    f"A feature of {name} could not be written: {writer.errorMessage()}"
-                )
-        del writer
-        if lost:
-            feedback.pushWarning(
-                f"{name}: features {', '.join(map(str, lost[:10]))}{' ...' * (len(lost) > 10)} have no "
-                "place in the CRS of the map, and are carried without a geometry."
-            )
-        address = f"{path}|layername={name}"
-        # what a full disk swallows, the writer may tell nobody
-        if QgsVectorLayer(address, name, "ogr").featureCount() != count:
-            raise QgsProcessingException(
-                f"{name} could not be written to {path} as a whole. Is the disk full?"
-            )
-        details = QgsProcessingContext.LayerDetails(name, context.project(), name)
-        if context.project() is not None:
-            carried = QgsVectorLayer(address, name, "ogr")
-            context.temporaryLayerStore().addMapLayer(carried)
-            context.addLayerToLoadOnCompletion(carried.id(), details)
-        return address
-
-
-def _discard(path):
-    """Remove what is half written: it would look complete."""
-    for end in ("", "-journal", "-wal", "-shm"):
-        with contextlib.suppress(OSError):
-            Path(path + end).unlink()
+        return run(self, parameters, context, feedback)
 
 
 def scipy_problem():
@@ -601,28 +302,3 @@ def scipy_problem():
             "on Debian and Ubuntu: apt install python3-scipy"
         )
     return ""
-
-
-def _geometries(source, crs, context):
-    """The geometries of a source in another CRS, none empty."""
-    transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
-    request = QgsFeatureRequest().setSubsetOfAttributes([])
-    for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
-        geometry = feature.geometry()
-        if geometry.isNull() or geometry.isEmpty():
-            continue
-        if transform.isValid() and not transform.isShortCircuited():
-            try:
-                geometry.transform(transform)
-            except QgsCsException:
-                raise QgsProcessingException(
-                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
-                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
-                ) from None
-        yield geometry
-
-
-def _straight(geometry):
-    abstract = geometry.constGet()
-    curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
-    return abstract.segmentize() if curved else abstract

@@ -10,7 +10,6 @@ from qgis.core import (
     QgsDataSourceUri,
     QgsFeature,
     QgsFeatureSink,
-    QgsFields,
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputLayerDefinition,
@@ -20,7 +19,7 @@ from qgis.core import (
     QgsProviderRegistry,
 )
 
-from . import wkb
+from ..words import tr
 
 # formats that keep every feature, and can be read
 READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
@@ -31,14 +30,6 @@ SIDECARS = {
     ".tab": (".dat", ".map", ".id", ".ind"),
     ".gml": (".xsd", ".gfs"),
 }
-
-
-def make_fields(definition):
-    """Return fields of (name, kind) pairs; kinds as in `wkb.field`."""
-    fields = QgsFields()
-    for name, kind in definition:
-        fields.append(wkb.field(name, kind))
-    return fields
 
 
 def overwriting(tool, parameters, context):
@@ -195,7 +186,7 @@ class Sinks:
             self._discard()
             raise QgsProcessingException(message)
         if self._discard() and kind is None:
-            self.feedback.pushInfo("What was half written has been removed.")
+            self.feedback.pushInfo(tr("What was half written has been removed."))
 
     def _is_complete(self, name):
         """Whether a file has all that was written to it."""

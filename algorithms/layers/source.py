@@ -2,6 +2,7 @@
 
 from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
 
+from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
 from .wkb import common_type
 
 # the tools check geometries themselves, and pass invalid ones through
@@ -15,6 +16,9 @@ class Reader:
     ----------
     source : QgsProcessingFeatureSource
     feedback : QgsProcessingFeedback
+    keep : bool
+        Whether to keep the features for the iteration: for tools that need all of them at once, and
+        would read them twice.
 
     Attributes
     ----------
@@ -23,21 +27,27 @@ class Reader:
         though the source (GeoJSON, for one) may declare less.
     """
 
-    def __init__(self, source, feedback):
-        self.source, self.feedback = source, feedback
+    def __init__(self, source, feedback, keep=False):
+        self.source, self.feedback, self.kept = source, feedback, [] if keep else None
         self.sizes, types = [], {source.wkbType()}
-        request = QgsFeatureRequest().setSubsetOfAttributes([])
+        request = QgsFeatureRequest()
+        if not keep:
+            request.setSubsetOfAttributes([])
         for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
             if feature.hasGeometry():
                 geometry = feature.geometry().constGet()
                 types.add(geometry.wkbType())
             self.sizes.append(1 + geometry.nCoordinates() if feature.hasGeometry() else 1)
+            if keep:
+                self.kept.append(feature)
         self.wkb_type = common_type(types)
         self.total = sum(self.sizes) or 1
         self.done, self.size = 0, 0
 
     def __iter__(self):
-        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        features = self.kept
+        if features is None:
+            features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
         for feature, size in zip(features, self.sizes):
             self.size = size
             if self.feedback.isCanceled():
@@ -51,8 +61,6 @@ class Reader:
 
         What is yielded counts as done when the next is asked for.
         """
-        from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
-
         features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
         chunk, self.size = [], 0
         for feature, size in zip(features, self.sizes):

@@ -6,17 +6,10 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 import struct
 
 import numpy as np
-from qgis.core import Qgis, QgsField, QgsGeometry, QgsWkbTypes
-from qgis.PyQt.QtCore import QMetaType, QVariant
+from qgis.core import QgsGeometry, QgsWkbTypes
 
-INTEGER, LONG, REAL, TEXT = "Int", "LongLong", "Double", "QString"
-
-
-def field(name, kind):
-    """Return a new field; kind is INTEGER, LONG, REAL or TEXT."""
-    if Qgis.QGIS_VERSION_INT >= 33800:
-        return QgsField(name, getattr(QMetaType.Type, kind))
-    return QgsField(name, getattr(QVariant, "String" if kind == TEXT else kind))
+from ...core import wkb
+from ...core.rings import Rings, offsets_of, take
 
 
 def read_polygons(geometries):
@@ -37,9 +30,6 @@ def read_polygons(geometries):
     extra : list of int
         The `dimensions` of each geometry.
     """
-    from ...core.rings import Rings, offsets_of, take
-    from ...core.wkb import width
-
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
         abstract = None if geometry.isNull() or geometry.isEmpty() else geometry.constGet()
@@ -50,7 +40,7 @@ def read_polygons(geometries):
         if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) != QgsWkbTypes.Type.Polygon:
             continue
         data = bytes(abstract.asWkb())
-        size = width(extra[-1])
+        size = wkb.width(extra[-1])
         (count,), place = _COUNT.unpack_from(data, 5), 9
         for _ in range(count if QgsWkbTypes.isMultiType(kind) else 1):
             if QgsWkbTypes.isMultiType(kind):
@@ -134,9 +124,7 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     multi : bool
         Whether to wrap the polygons as multipolygons.
     """
-    from ...core.wkb import polygons
-
-    for data in polygons(coords, rows, offsets, ring_offsets, extra, multi):
+    for data in wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi):
         yield _geometry(data)
 
 
@@ -150,9 +138,7 @@ def line_geometries(coords, rows, extra):
     extra : (l,) int
         The `dimensions` of each line.
     """
-    from ...core.wkb import lines
-
-    for data in lines(coords, rows, extra):
+    for data in wkb.lines(coords, rows, extra):
         yield _geometry(data)
 
 
@@ -166,15 +152,13 @@ class Runs:
     """
 
     def __init__(self, geometry):
-        from ...core.wkb import Runs
-
         data = b""
         if not (geometry.isNull() or geometry.isEmpty()):
             abstract = geometry.constGet()
             if QgsWkbTypes.isCurvedType(abstract.wkbType()):
                 abstract = abstract.segmentize()
             data = bytes(abstract.asWkb())
-        self._runs = Runs(data)
+        self._runs = wkb.Runs(data)
         self.counts, self.polygons = self._runs.counts, self._runs.polygons
 
     @property

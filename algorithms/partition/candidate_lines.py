@@ -3,7 +3,9 @@
 import numpy as np
 from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 
+from ...core.partition.features import GivenLines
 from ..layers import wkb
+from ..words import tr
 
 
 class CandidateLines:
@@ -20,8 +22,6 @@ class CandidateLines:
     """
 
     def __init__(self, source, crs, context):
-        from ...core.partition.features import GivenLines
-
         self.fields, self.attributes = source.fields(), []
         transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
         self.ids, ends, self.bent = [], [], []
@@ -43,4 +43,4 @@ class CandidateLines:
         problems = [(k, "it is not one straight line between two points") for k in self.bent]
         problems += self.given.left_out()
         for line, reason in sorted(problems):
-            feedback.pushWarning(f"Candidate line {line} was left out: {reason}.")
+            feedback.pushWarning(tr("Candidate line {} was left out: {}.").format(line, reason))

@@ -1,12 +1,10 @@
-"""What the tools that cut polygons share: parameters, settings, and the writing of results."""
+"""What the tools that cut polygons declare in common; what they run is in `cutting_run` and `solving`."""
 
 import math
 import sys
 
-import numpy as np
 from qgis.core import (
-    NULL,
-    QgsExpressionContext,
+    QgsExpression,
     QgsFeatureRequest,
     QgsProcessing,
     QgsProcessingParameterBoolean,
@@ -18,29 +16,10 @@ from qgis.core import (
     QgsProcessingParameters,
     QgsProcessingUtils,
     QgsPropertyDefinition,
-    QgsUnitTypes,
-    QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled
-from ...core.progress import checker, stretch
-from ..base import LARGEST, IsthmusAlgorithm, counted
-from ..dependencies import slow_engine_note
-from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
-from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
-from ..layers.styles import style_on_load
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from .candidate_lines import CandidateLines
-from .solving import (
-    Settings,
-    expression_problem,
-    measure_of,
-    prepare,
-    read,
-    reasons_of,
-    weigh_by_expression,
-)
+from ..base import LARGEST, IsthmusAlgorithm
+from ..layers.fields import INTEGER, LONG, REAL, TEXT
 
 BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
 NATURAL, ANY = PLACES = ("Natural", "Any")
@@ -251,34 +230,6 @@ class PartitionTool(IsthmusAlgorithm):
             parameters, context, name
         )
 
-    def settings(self, parameters, context, source, feedback, all_dilations=False):
-        """Return how to solve."""
-        from ...core.partition.features import weigh_by_length
-
-        crs = source.sourceCrs()
-        lines_source = self.parameterAsSource(parameters, self.CANDIDATES, context)
-        lines = lines_source and CandidateLines(lines_source, crs, context)
-        if not lines and slow_engine_note():
-            feedback.pushInfo(slow_engine_note())
-        objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
-        weigh = weigh_by_length if objective == BY_LENGTH else None
-        if objective == BY_WEIGHT:
-            weigh = weigh_by_expression(
-                self.parameterAsString(parameters, self.WEIGHT, context),
-                source,
-                lines,
-                QgsExpressionContext(self.createExpressionContext(parameters, context, source)),
-            )
-        return Settings(
-            measure=measure_of(crs),
-            natural=self.parameterAsEnumString(parameters, self.PLACES, context) == NATURAL,
-            floors=self.floors(parameters, context, source),
-            lines=lines,
-            new_vertices=self.parameterAsBoolean(parameters, self.NEW_VERTICES, context),
-            weigh=weigh,
-            all_dilations=all_dilations,
-        )
-
     def floors(self, parameters, context, source):
         """Return the functions that say what is too small to count in a feature, by name."""
         return {
@@ -316,12 +267,8 @@ class CuttingTool(PartitionTool):
     COST = "COST"
     LOWER_BOUND = "LOWER_BOUND"
 
-    extra_fields = ()
+    extra_fields = ()  # of the parts, behind those of all
     in_place = False  # whether the parts take the place of the features of an editable layer
-
-    def chooser(self, parameters, context, source, feedback):
-        """Return the function that chooses the cuts: ``(problem, check)`` to a Selection and each tau."""
-        raise NotImplementedError
 
     def add_outputs(self):
         more = "".join(f", {name}" for name, _ in self.extra_fields)
@@ -369,270 +316,18 @@ class CuttingTool(PartitionTool):
             "its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.",
         )
 
-    def processAlgorithm(self, parameters, context, feedback):
-        from ...core.partition.features import without_vertex
 
-        source = self.source(parameters, context)
-        reader = Reader(source, feedback)
-        with Sinks(self, parameters, context, feedback) as sinks:
-            writer = _Writer(self, source, reader.wkb_type, sinks)
-            settings = self.settings(
-                parameters, context, source, feedback, all_dilations=writer.with_diagonals
-            )
-            choose = self.chooser(parameters, context, source, feedback)
-            check = checker(reader.progress, feedback.isCanceled)
-            try:
-                for features in reader.chunks():
-                    for chunk in read(features, settings, feedback):
-                        problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
-                        selection, tau = choose(problem, stretch(check, 0.5, 0.7))
-                        writer.told.short += without_vertex(problem, selection, tau)
-                        solution = finish(problem, selection, settings, stretch(check, 0.7, 0.8))
-                        writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
-            except Cancelled:
-                pass
-            if self.in_place and feedback.isCanceled():
-                writer.pass_on(source)
-            if settings.lines:
-                settings.lines.report(feedback)
-        writer.report(feedback)
-        destinations = sinks.destinations  # layers that are loaded get their styles
-        style_on_load(context, destinations.get(self.CUTS), "cuts.qml", 0)
-        style_on_load(context, destinations.get(self.DIAGONALS), None, 1)
-        style_on_load(context, destinations.get(self.OUTPUT), "parts.qml", 3)
-        return {**destinations, **writer.numbers, self.SKIPPED_COUNT: writer.told.skipped}
-
-    def extra_values(self, problem, solution):
-        """Return the values of `extra_fields` for each feature of a chunk, a list each."""
-        return [[] for _ in problem.chunk.features]
-
-
-def finish(problem, selection, settings, check):
-    """Make the parts of the solution of a chunk."""
-    from ...core.partition.solve import finish
-
-    return finish(
-        problem.prepared, selection, all_dilations=settings.all_dilations, check=check
-    )
-
-
-class Told:
-    """What the log says of a run, chunk by chunk: what came out small, did not count, or was not cut.
-
-    Attributes
-    ----------
-    small : int
-        Parts smaller than 1 per cent of their feature.
-    holes, rules : int, list of int
-        Holes that were set aside, and the sums of `Prepared.set_aside`.
-    short, skipped : int
-        Places without a vertex to cut at; features of which something was not cut.
-    """
-
-    def __init__(self):
-        self.small, self.holes, self.rules, self.short, self.skipped = 0, 0, [0] * 5, 0, 0
-
-    def count(self, prepared):
-        """Count what was set aside in a chunk."""
-        self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
-        self.holes += int((~prepared.wanted[prepared.component]).sum())
-
-    def reason(self, feature, verdicts, feedback):
-        """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
-        text = "; ".join(reasons_of(feature, verdicts))
-        if text:
-            self.skipped += 1
-            feedback.pushWarning(f"Feature {feature.id()} was not cut: {text}.")
-        return text
-
-    def report(self, feedback, more=""):
-        """Say it; ``more`` before what was not cut."""
-        feedback.pushInfo(self._set_aside())
-        report_short(feedback, self.short)
-        if more:
-            feedback.pushInfo(more)
-        if self.skipped:
-            feedback.pushInfo(
-                f"Not cut: {counted(self.skipped, 'feature')}; see the field status of the parts."
-            )
-
-    def _set_aside(self):
-        """What did not count, by which rule, and what to change if that is not wanted."""
-        text = (
-            f"{counted(self.small, 'part')} {'is' if self.small == 1 else 'are'} smaller than 1 per cent "
-            "of the feature."
-        )
-        _, below, *by_place = self.rules
-        if not (self.holes or below or any(by_place)):
-            return text + " If these are too many, set PLACES to Natural or raise SMALLEST_PART."
-        return text + (
-            f" Set aside: {counted(self.holes, 'hole')} and {counted(below, 'diagonal')} with less on "
-            f"one side than SMALLEST_PART (or MIN_HOLE); {sum(by_place):,} where the outline "
-            "is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
-            "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-        )
-
-
-class _Writer:
-    """Writes what was solved, and counts it."""
-
-    def __init__(self, tool, source, wkb_type, sinks):
-        self.tool, self.sinks, self.told = tool, sinks, Told()
-        fields, crs = source.fields(), source.sourceCrs()
-        self.multi = QgsWkbTypes.isMultiType(wkb_type)
-        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
-        line_type = wkb.line_type(wkb_type)
-        part_fields = QgsProcessingUtils.combineFields(
-            fields, make_fields(PART_FIELDS + tool.extra_fields)
-        )
-        sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
-        self.with_cuts = not tool.in_place and sinks.open(
-            tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False
-        )
-        self.with_diagonals = not tool.in_place and sinks.open(
-            tool.DIAGONALS, make_fields(DIAGONAL_FIELDS), line_type, crs, False
-        )
-        self.numbers = {
-            tool.PART_COUNT: 0,
-            tool.CUT_COUNT: 0,
-            tool.CUT_LENGTH: 0.0,
-            tool.MAX_DILATION: 1.0,
-            tool.COST: 0.0,
-            tool.LOWER_BOUND: 0.0,
-        }
-        self.done = 0  # features that are written as a whole
-
-    def write(self, problem, solution, feedback, check):
-        """Write the solution of a chunk, and tell what of it could not be solved."""
-        from ...core.partition.features import costs, pieces
-
-        chunk, tool = problem.chunk, self.tool
-        found = pieces(problem, solution.parts)
-        cost, bound, gap = costs(problem, solution)
-        solved = problem.solved
-        some = np.bincount(problem.owner[solved], minlength=len(chunk.features)) > 0
-        self.numbers[tool.COST] += float(cost.sum())
-        self.numbers[tool.LOWER_BOUND] += float(bound.sum())
-        self.numbers[tool.MAX_DILATION] = float(
-            np.max(solution.largest_dilation[solved], initial=self.numbers[tool.MAX_DILATION])
-        )
-        per_feature = np.diff(found.feature_offsets)
-        of = np.repeat(np.arange(len(chunk.features)), per_feature)
-        total = np.bincount(of, weights=found.area, minlength=len(chunk.features))
-        share = found.area < 0.01 * total[of]
-        self.told.small += int((share & (per_feature[of] > 1)).sum())
-        self.told.count(problem.prepared)
-        own = solved[solution.owner]  # edges of polygons that are solved
-        selected = own & (solution.role == 0)
-        self.numbers[tool.CUT_COUNT] += int(selected.sum())
-        self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
-        lines = [
-            rows for rows, wanted in (
-                (self._cuts(problem, solution, found), self.with_cuts),
-                (self._diagonals(problem, solution, own), self.with_diagonals),
-            ) if wanted
-        ]
-
-        geometries = wkb.polygon_geometries(
-            chunk.rings.coords, found.rows, found.offsets, found.ring_offsets,
-            [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()], self.multi,
-        )
-        verdicts = problem.verdict[found.polygon].tolist()
-        bounds = found.feature_offsets.tolist()
-        values = zip(cost.tolist(), gap.tolist(), tool.extra_values(problem, solution))
-        nothing = [NULL] * len(tool.extra_fields)
-        for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
-            check(f / len(chunk.features) if f % 8 == 0 else None)
-            lo, hi = bounds[f], bounds[f + 1]
-            text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), f"feature {feature.id()}"
-            if not some[f]:  # nothing solved: the feature as it is
-                for _ in range(lo, hi):
-                    next(geometries)
-                part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
-                self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
-                self.numbers[tool.PART_COUNT] += 1
-                self.done += 1
-                continue
-            for k in range(lo, hi):
-                part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, feature.id(), *more]
-                self.sinks.add(tool.OUTPUT, next(geometries), attributes + part, origin)
-            self.numbers[tool.PART_COUNT] += hi - lo
-            for name, of, rows in lines:
-                while of and of[-1] == f:
-                    of.pop()
-                    geometry, line = next(rows)
-                    self.sinks.add(name, geometry, [feature.id(), *line], origin)
-            self.done += 1
-
-    def pass_on(self, source):
-        """Write the features that a cancelled run has not come to as they are: QGIS deletes all of them."""
-        rest = [1, 1, "cancelled", NULL, NULL]
-        for k, feature in enumerate(source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)):
-            if k >= self.done:
-                more = [*rest, feature.id(), *[NULL] * len(self.tool.extra_fields)]
-                self.sinks.add(self.tool.OUTPUT, feature.geometry(), feature.attributes() + more)
-
-    def _cuts(self, problem, solution, found):
-        """Name of the layer; the feature of each cut, the last one first; geometries and values."""
-        from ...core.partition.features import cuts
-
-        chosen, fields = cuts(problem, solution, found)
-        values = (
-            [length, _or_null(detour), *parts, _or_null(share)]
-            for length, detour, *parts, share in zip(*(x.tolist() for x in fields.values()))
-        )
-        return self._lines(self.tool.CUTS, problem, solution, chosen, values)
-
-    def _diagonals(self, problem, solution, own):
-        """The same of all candidates."""
-        if not self.with_diagonals:
-            return None
-        chosen = np.flatnonzero(own)
-        values = (
-            [length, _or_null(detour), dilation, ROLES[role]]
-            for length, detour, dilation, role in zip(
-                *(x[chosen].tolist() for x in (
-                    solution.length, solution.detour, solution.dilation, solution.role
-                ))
-            )
-        )
-        return self._lines(self.tool.DIAGONALS, problem, solution, chosen, values)
-
-    @staticmethod
-    def _lines(name, problem, solution, chosen, values):
-        feature = problem.owner[solution.owner[chosen]].tolist()
-        geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, solution.edge_rows[chosen],
-            [problem.chunk.extra[f] for f in feature],
-        )
-        return name, feature[::-1], zip(geometries, values)
-
-    def report(self, feedback):
-        """Say in the log what was done."""
-        if feedback.isCanceled():
-            feedback.pushWarning("Cancelled: the results are not complete.")
-            return
-        tool, numbers = self.tool, self.numbers
-        length = numbers[tool.CUT_LENGTH]
-        text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
-        feedback.pushInfo(
-            f"{counted(numbers[tool.PART_COUNT], 'part')}, made by "
-            f"{counted(numbers[tool.CUT_COUNT], 'cut')} of "
-            f"{f'{text} {self.unit}'.strip()} in all. The largest detour left is "
-            f"{numbers[tool.MAX_DILATION]:.4g}."
-        )
-        self.told.report(feedback)
-
-
-def report_short(feedback, short):
-    """Say at how many places a cut is missing for want of a vertex."""
-    if short:
-        feedback.pushInfo(
-            f"No vertex to end a cut at: {counted(short, 'place')}, edges opposite a concave corner, where "
-            "the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there."
-        )
-
-
-def _or_null(value):
-    return value if math.isfinite(value) else NULL
+def expression_problem(text, all_fields):
+    """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
+    if not text.strip():
+        return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
+    expression = QgsExpression(text)
+    if expression.hasParserError():
+        return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
+    known = set(all_fields[0].names())
+    if len(all_fields) > 1:  # as the candidates have them
+        known = set(QgsProcessingUtils.combineFields(*all_fields).names())
+    unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
+    if unknown:
+        return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
+    return ""

@@ -1,28 +1,14 @@
 """The tool ``isthmus:hierarchy``."""
 
-import math
-
-import numpy as np
 from qgis.core import (
-    NULL,
     QgsProcessing,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterNumber,
-    QgsProcessingUtils,
     QgsPropertyDefinition,
-    QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled
-from ...core.progress import checker, stretch
-from ..base import counted
-from ..layers import wkb
-from ..layers.sinks import Sinks, make_fields
-from ..layers.source import Reader
-from ..layers.styles import style_on_load
-from ..layers.wkb import INTEGER, LONG, REAL, TEXT
-from .cutting import PartitionTool, Told
-from .solving import prepare, read
+from ..layers.fields import INTEGER, LONG, REAL, TEXT
+from .cutting import PartitionTool
 
 LEVEL_FIELDS = (
     ("part", INTEGER), ("parent", INTEGER), ("level", INTEGER), ("from_tau", REAL), ("to_tau", REAL),
@@ -158,146 +144,6 @@ class HierarchyAlgorithm(PartitionTool):
         return problem or self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):
-        from ...core.partition.features import without_vertex
-        from ...core.partition.nesting import nest
+        from .hierarchy_run import run  # what runs needs shapely, what declares must not
 
-        source = self.source(parameters, context)
-        reader = Reader(source, feedback)
-        tau_of = self.dynamic(parameters, self.TAU, context, source)
-        parts_of = None
-        if parameters.get(self.PARTS) is not None:
-            parts_of = self.dynamic(parameters, self.PARTS, context, source)
-        with Sinks(self, parameters, context, feedback) as sinks:
-            writer = _Writer(self, source, reader.wkb_type, sinks)
-            settings = self.settings(parameters, context, source, feedback)
-            check = checker(reader.progress, feedback.isCanceled)
-            try:
-                for features in reader.chunks():
-                    for chunk in read(features, settings, feedback):
-                        problem = prepare(chunk, settings, stretch(check, 0.0, 0.4))
-                        tau, parts = (
-                            of and np.array([of(feature) for feature in chunk.features], dtype=float)
-                            for of in (tau_of, parts_of)
-                        )
-                        nested = nest(problem, tau, parts, stretch(check, 0.4, 0.8))
-                        writer.told.short += without_vertex(problem, nested.selection, nested.tau)
-                        writer.write(problem, nested, feedback, stretch(check, 0.8, 1.0))
-            except Cancelled:
-                pass
-        writer.report(feedback)
-        destinations = sinks.destinations
-        style_on_load(context, destinations.get(self.CUTS), "hierarchy_cuts.qml", 0)
-        style = "hierarchy_parts.qml" if parts_of is None else "parts.qml"
-        style_on_load(context, destinations.get(self.OUTPUT), style, 3)
-        return {**destinations, **writer.numbers, self.SKIPPED_COUNT: writer.told.skipped}
-
-
-class _Writer:
-    """Writes levels, and counts what is in them."""
-
-    def __init__(self, tool, source, wkb_type, sinks):
-        self.tool, self.sinks, self.told = tool, sinks, Told()
-        fields, crs = source.fields(), source.sourceCrs()
-        self.multi = QgsWkbTypes.isMultiType(wkb_type)
-        sinks.open(
-            tool.OUTPUT, QgsProcessingUtils.combineFields(fields, make_fields(LEVEL_FIELDS)), wkb_type,
-            crs,
-        )  # fmt: skip
-        self.with_cuts = sinks.open(
-            tool.CUTS, make_fields(RANKED_FIELDS), wkb.line_type(wkb_type), crs, False
-        )
-        self.numbers = dict.fromkeys((tool.PART_COUNT, tool.CUT_COUNT), 0)
-        self.most, self.missed = 0, 0
-
-    def write(self, problem, nested, feedback, check):
-        """Write the levels of a chunk, and tell what of it could not be solved."""
-        from ...core.partition.nesting import NO_END, items_of
-
-        chunk, tool = problem.chunk, self.tool
-        count = len(chunk.features)
-        items = items_of(problem, nested)
-        own = items.level == 0
-        at_first = np.bincount(items.feature[own], minlength=count)
-        total = np.bincount(items.feature[own], weights=items.area[own], minlength=count)
-        small = own & (items.area < 0.01 * total[items.feature]) & (at_first[items.feature] > 1)
-        self.told.small += int(small.sum())
-        self.told.count(problem.prepared)
-        self.missed += nested.missed
-        self.most = max(self.most, int(items.level.max(initial=-1)) + 1)
-        self.numbers[tool.CUT_COUNT] += int(nested.cuts.sum())
-
-        geometries = _geometries(problem, nested, items, self.multi)
-        bounds = np.searchsorted(items.feature, np.arange(count + 1)).tolist()
-        values = list(zip(*(x.tolist() for x in (
-            items.number, items.parent, items.level, items.from_tau, items.to_tau
-        ))))  # fmt: skip
-        verdicts = np.where(items.whole >= 0, problem.verdict[items.whole], "").tolist()
-        cuts, lines = self._cuts(problem, nested) if self.with_cuts else ([], None)
-        for f, feature in enumerate(chunk.features):
-            lo, hi = bounds[f], bounds[f + 1]
-            text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), f"feature {feature.id()}"
-            if all(verdicts[lo:hi]):  # nothing solved: the feature as it is
-                for _ in range(lo, hi):
-                    next(geometries)
-                more = [1, NULL, 0, float(nested.tau[f]), NO_END, feature.id(), text]
-                self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + more, origin)
-                self.numbers[tool.PART_COUNT] += 1
-                continue
-            for k in range(lo, hi):
-                if k % 64 == 0:
-                    check((f + (k - lo) / (hi - lo)) / count)
-                number, parent, *rest = values[k]
-                more = [number, parent or NULL, *rest, feature.id(), verdicts[k]]
-                self.sinks.add(tool.OUTPUT, next(geometries), attributes + more, origin)
-            self.numbers[tool.PART_COUNT] += hi - lo
-            while cuts and cuts[-1] == f:
-                cuts.pop()
-                geometry, line = next(lines)
-                self.sinks.add(tool.CUTS, geometry, [feature.id(), *line], origin)
-
-    def _cuts(self, problem, nested):
-        """The feature of each cut, the last one first; geometries and values, by feature and rank."""
-        from ...core.partition.nesting import cuts
-
-        feature, edges, fields = cuts(problem, nested)
-        values = (
-            [length, detour if math.isfinite(detour) else NULL, *more]
-            for length, detour, *more in zip(*(x.tolist() for x in fields.values()))
-        )
-        geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, problem.prepared.edge_rows[edges],
-            [problem.chunk.extra[f] for f in feature.tolist()],
-        )
-        return feature.tolist()[::-1], zip(geometries, values)
-
-    def report(self, feedback):
-        """Say in the log what was done."""
-        if feedback.isCanceled():
-            feedback.pushWarning("Cancelled: the results are not complete.")
-            return
-        numbers, tool = self.numbers, self.tool
-        feedback.pushInfo(
-            f"{counted(numbers[tool.PART_COUNT], 'part')} in at most {counted(self.most, 'level')} of a "
-            f"feature, made by {counted(numbers[tool.CUT_COUNT], 'cut')}."
-        )
-        more = self.missed and (
-            f"{counted(self.missed, 'feature')} cannot have so many or so few parts (PARTS), and got "
-            "the next best number. A smaller TAU gives more cuts to choose from."
-        )
-        self.told.report(feedback, more)
-
-
-def _geometries(problem, nested, items, multi):
-    """Yield the geometry of each item."""
-    from ...core.partition.nesting import shapes
-
-    chunk = problem.chunk
-    extra = [chunk.extra[f] for f in items.feature.tolist()]
-
-    def polygons(which, rows, offsets, ring_offsets):
-        return wkb.polygon_geometries(
-            chunk.rings.coords, rows, offsets, ring_offsets, [extra[k] for k in which.tolist()], multi
-        )
-
-    return shapes(problem, nested, items, polygons)
+        return run(self, parameters, context, feedback)

@@ -1,6 +1,5 @@
 """The tool ``isthmus:partition``."""
 
-import numpy as np
 from qgis.core import QgsProcessingAlgorithm, QgsVectorLayer, QgsWkbTypes
 
 from .cutting import CuttingTool
@@ -92,22 +91,7 @@ class PartitionAlgorithm(CuttingTool):
             parameters, self.TAU, context, 1.0
         ) or self.objective_problem(parameters, context)
 
-    def chooser(self, parameters, context, source, feedback):
-        from ...core.partition.features import for_tau
+    def processAlgorithm(self, parameters, context, feedback):
+        from .partition_run import partition  # what runs needs shapely, what declares must not
 
-        tau_of = self.dynamic(parameters, self.TAU, context, source)
-        max_gap = self.parameterAsDouble(parameters, self.MAX_GAP, context) / 100.0
-
-        def choose(problem, check):
-            features = problem.chunk.features
-            tau = np.array([tau_of(feature) for feature in features])
-            selection, open_gaps = for_tau(problem, tau, max_gap, check)
-            for f, gap in open_gaps.items():
-                feedback.pushWarning(
-                    f"Feature {features[f].id()}: the search ended at a gap of {100.0 * gap:.3g} per "
-                    "cent between the cost and its proven lower bound, its limit of time or memory "
-                    "being reached."
-                )
-            return selection, tau
-
-        return choose
+        return partition(self, parameters, context, feedback)

@@ -1,8 +1,6 @@
 """The tool ``isthmus:partitionbudget``."""
 
-import numpy as np
-
-from ..layers.wkb import REAL
+from ..layers.fields import REAL
 from .cutting import CuttingTool
 
 HELP = """
@@ -69,28 +67,7 @@ class PartitionBudgetAlgorithm(CuttingTool):
             parameters, self.BUDGET, context, 0.0
         ) or self.objective_problem(parameters, context)
 
-    def chooser(self, parameters, context, source, feedback):
-        from ...core.partition.features import within_budget
+    def processAlgorithm(self, parameters, context, feedback):
+        from .partition_budget_run import partition_budget  # needs shapely, what declares must not
 
-        budget_of = self.dynamic(parameters, self.BUDGET, context, source)
-
-        def choose(problem, check):
-            features = problem.chunk.features
-            selection, unproven = within_budget(
-                problem, [budget_of(feature) for feature in features], check
-            )
-            for f, dilation in unproven.items():
-                feedback.pushWarning(
-                    f"Feature {features[f].id()}: a smaller detour than {dilation:.6g} may be "
-                    "possible within the budget, which could be neither shown nor ruled out."
-                )
-            reached = np.ones(len(features))
-            np.maximum.at(reached, problem.owner, selection.dilation)
-            return selection, reached
-
-        return choose
-
-    def extra_values(self, problem, solution):
-        from ...core.partition.features import largest_dilations
-
-        return [[value] for value in largest_dilations(problem, solution).tolist()]
+        return partition_budget(self, parameters, context, feedback)

@@ -8,14 +8,22 @@ from qgis.core import (
     NULL,
     QgsEllipsoidUtils,
     QgsExpression,
+    QgsExpressionContext,
     QgsExpressionContextScope,
     QgsFeature,
-    QgsFeatureRequest,
     QgsProcessingUtils,
 )
 
+from ...core import metric
+from ...core.partition.engines import engine_name, only_engine
+from ...core.partition.features import Chunk, beyond_the_poles, weigh_by_length
+from ...core.partition.features import prepare as prepare_polygons
 from ...core.progress import ignore
+from ..dependencies import engines_with_wheels
 from ..layers import wkb
+from ..words import tr
+from .candidate_lines import CandidateLines
+from .cutting import BY_LENGTH, BY_WEIGHT, NATURAL
 
 
 class Settings(NamedTuple):
@@ -47,10 +55,50 @@ class Settings(NamedTuple):
     all_dilations: bool
 
 
+def settings_of(tool, parameters, context, source, feedback, all_dilations=False):
+    """Return how a tool solves, by its parameters.
+
+    Returns
+    -------
+    Settings
+    """
+    crs = source.sourceCrs()
+    lines_source = tool.parameterAsSource(parameters, tool.CANDIDATES, context)
+    lines = lines_source and CandidateLines(lines_source, crs, context)
+    if not lines and slow_engine_note():
+        feedback.pushInfo(slow_engine_note())
+    objective = tool.parameterAsEnumString(parameters, tool.OBJECTIVE, context)
+    weigh = weigh_by_length if objective == BY_LENGTH else None
+    if objective == BY_WEIGHT:
+        weigh = weigh_by_expression(
+            tool.parameterAsString(parameters, tool.WEIGHT, context), source, lines,
+            QgsExpressionContext(tool.createExpressionContext(parameters, context, source)),
+        )
+    return Settings(
+        measure=measure_of(crs),
+        natural=tool.parameterAsEnumString(parameters, tool.PLACES, context) == NATURAL,
+        floors=tool.floors(parameters, context, source),
+        lines=lines,
+        new_vertices=tool.parameterAsBoolean(parameters, tool.NEW_VERTICES, context),
+        weigh=weigh,
+        all_dilations=all_dilations,
+    )
+
+
+def slow_engine_note():
+    """Return what makes the tools faster where only shapely triangulates, or ''."""
+    if engine_name() != "shapely" or only_engine():
+        return ""
+    note = tr("Shapely's triangulation is used: as good as others, but slower.")
+    for name in engines_with_wheels()[:1]:
+        note += " " + tr("The Python package {} is faster.").format(name)
+        if name == "triangle":
+            note += " " + tr("It may not be used commercially.")
+    return note
+
+
 def measure_of(crs):
     """Return the metric of a layer: its own plane, or its ellipsoid where it is in degrees."""
-    from ...core import metric
-
     if not crs.isGeographic():
         return metric.planar()
     ellipsoid = QgsEllipsoidUtils.ellipsoidParameters(crs.ellipsoidAcronym())
@@ -68,9 +116,6 @@ def read(features, settings, feedback):
     settings : Settings
     feedback : QgsProcessingFeedback
     """
-    from ...core import metric
-    from ...core.partition.features import Chunk, beyond_the_poles
-
     rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in features)
     whole = Chunk(features, rings, owner, extra, settings.measure)
     if not settings.measure.conformal or not len(rings.coords):
@@ -85,10 +130,10 @@ def read(features, settings, feedback):
         rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in own)
         measure = metric.planar() if strange[run[0]] else settings.measure
         for feature in own if strange[run[0]] else ():
-            feedback.pushWarning(
-                f"Feature {feature.id()} has a latitude beyond 90 degrees. Its coordinates are taken "
-                "as those of a plane. Is the CRS of the layer right?"
-            )
+            feedback.pushWarning(tr(
+                "Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a "
+                "plane. Is the CRS of the layer right?"
+            ).format(feature.id()))
         yield Chunk(own, rings, owner, extra, measure)
 
 
@@ -99,13 +144,11 @@ def prepare(chunk, settings, check=ignore):
     -------
     core.partition.features.Problem
     """
-    from ...core.partition.features import prepare
-
     floors = {
         name.lower(): np.array([of(feature) for feature in chunk.features], dtype=float)
         for name, of in settings.floors.items()
     }
-    return prepare(
+    return prepare_polygons(
         chunk, natural=settings.natural, lines=settings.lines and settings.lines.given,
         new_vertices=settings.new_vertices, weigh=settings.weigh, check=check, **floors,
     )
@@ -172,22 +215,6 @@ def weigh_by_expression(text, source, lines, context):
         return weights, reasons
 
     return weigh
-
-
-def expression_problem(text, all_fields):
-    """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
-    if not text.strip():
-        return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
-    expression = QgsExpression(text)
-    if expression.hasParserError():
-        return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
-    known = set(all_fields[0].names())
-    if len(all_fields) > 1:  # as the candidates have them
-        known = set(QgsProcessingUtils.combineFields(*all_fields).names())
-    unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
-    if unknown:
-        return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
-    return ""
 
 
 def _number(value):

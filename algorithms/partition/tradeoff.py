@@ -1,29 +1,16 @@
 """The tool ``isthmus:tradeoff``."""
 
-import math
 
-import numpy as np
 from qgis.core import (
-    NULL,
-    QgsCoordinateReferenceSystem,
-    QgsExpression,
-    QgsExpressionContext,
     QgsProcessing,
     QgsProcessingOutputNumber,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
     QgsProcessingParameterNumber,
-    QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled
-from ...core.progress import checker, stretch
-from ..layers.sinks import Sinks, make_fields
-from ..layers.source import Reader
-from ..layers.wkb import INTEGER, LONG, REAL
-from . import report
-from .cutting import BY_SIZE, PartitionTool, report_short
-from .solving import prepare, read
+from ..layers.fields import INTEGER, LONG, REAL
+from .cutting import PartitionTool
 
 FIELDS = (
     ("source", LONG),
@@ -33,7 +20,6 @@ FIELDS = (
     ("cost", REAL),
     ("largest_part_share", REAL),
 )
-UNITS = {"MinSize": "number of cuts", "MinLength": "length of the cuts", "MinWeight": "weight"}
 
 HELP = """
 <p>Shows, for each feature, what every value of tau costs: how many cuts, or how much length or
@@ -130,115 +116,6 @@ class TradeoffAlgorithm(PartitionTool):
         return self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):
-        source = self.source(parameters, context)
-        low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
-        high = self.parameterAsDouble(parameters, self.TAU_MAX, context) or math.inf
-        most = self.parameterAsInt(parameters, self.STEPS, context)
-        objective = self.parameterAsEnumString(parameters, self.OBJECTIVE, context)
-        settings = self.settings(parameters, context, source, feedback)
-        path = self.parameterAsFileOutput(parameters, self.REPORT, context)
-        with Sinks(self, parameters, context, feedback) as sinks:
-            sinks.open(
-                self.OUTPUT, make_fields(FIELDS), QgsWkbTypes.Type.NoGeometry,
-                QgsCoordinateReferenceSystem(),
-            )  # fmt: skip
-            curves, numbers = self._curves(
-                source, settings, low, high, most, UNITS[objective], sinks, feedback
-            )
-            if settings.lines:
-                settings.lines.report(feedback)
-            if path and not feedback.isCanceled():
-                sinks.write_text(path, _report(source.sourceName(), objective, curves))
-        results = {**sinks.destinations, **numbers}
-        if path and not feedback.isCanceled():
-            results[self.REPORT] = path
-        return results
+        from .tradeoff_run import run  # what runs needs shapely, what declares must not
 
-    def _curves(self, source, settings, low, high, most, unit, sinks, feedback):
-        """Write the steps of each feature; return the curves for the report, and the numbers."""
-        from ...core.partition.features import curves as follow
-        from ...core.partition.features import without_vertex
-        from ...core.partition.solve import select
-        from ...core.partition.tradeoff import paying_steps
-
-        name_of = self._names(sinks.parameters, sinks.context)
-        curves, count, skipped, short = [], 0, 0, 0
-        reader = Reader(source, feedback)
-        check = checker(reader.progress, feedback.isCanceled)
-        try:
-            for features in reader.chunks():
-                for chunk in read(features, settings, feedback):
-                    problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
-                    found = follow(problem, low, high, most, stretch(check, 0.3, 0.9))
-                    # where the curves end, by the fewest cuts
-                    end = np.array([
-                        max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found
-                    ])
-                    fewest = select(problem.prepared, end[problem.owner], with_dilation=False)
-                    short += without_vertex(problem, fewest, end)
-                    for f, feature in enumerate(chunk.features):
-                        check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
-                        reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
-                        if not any(reason == "" for reason in reasons):
-                            skipped += 1
-                            reason = reasons[0] if reasons else "it has no polygon"
-                            feedback.pushWarning(f"Feature {feature.id()} has no curve: {reason}.")
-                            continue
-                        reasons.remove("")
-                        if reasons:
-                            skipped += 1
-                            feedback.pushWarning(
-                                f"Feature {feature.id()}: parts of it were left out: "
-                                f"{'; '.join(reasons)}."
-                            )
-                        curve, rows = found[f]
-                        for *row, share in rows:
-                            own = [feature.id(), *row, NULL if math.isnan(share) else share]
-                            sinks.add(self.OUTPUT, None, own, f"feature {feature.id()}")
-                        count += len(rows)
-                        tau, cuts, _, cost, share = map(list, zip(*rows))
-                        curves.append(
-                            {
-                                "name": name_of(feature),
-                                "unit": unit,
-                                "tau": tau,
-                                "cost": cost,
-                                "cuts": cuts,
-                                "share": share,
-                                "marked": paying_steps(tau, cost),
-                                "complete": curve.complete,
-                            }
-                        )
-        except Cancelled:
-            pass
-        report_short(feedback, short)
-        return curves, {self.STEP_COUNT: count, self.SKIPPED_COUNT: skipped}
-
-    def _names(self, parameters, context):
-        """Return the function that names a feature: by the display name of its layer, and its id."""
-        layer = self.parameterAsVectorLayer(parameters, self.INPUT, context)
-        expression = QgsExpression(layer.displayExpression() if layer is not None else "")
-        scopes = QgsExpressionContext()
-
-        def name_of(feature):
-            scopes.setFeature(feature)
-            name = expression.evaluate(scopes)
-            if isinstance(name, str) and name.strip():  # a number would be another id
-                return f"{name.strip()} (feature {feature.id()})"
-            return f"Feature {feature.id()}"
-
-        return name_of
-
-
-def _report(name, objective, curves):
-    """The page with the curves."""
-    intro = [
-        f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
-        f"detours within it ({objective}).",
-        "A long flat stretch means that nothing more is to be gained for a while: good values "
-        "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
-        "fall of the detour (on a logarithmic scale) for what they cost more.",
-    ]
-    if objective != BY_SIZE:
-        intro.append("Lengths are in the units of the layer, or metres for degrees.")
-    return report.page(f"Detour trade-off of {name}", intro, curves)
+        return run(self, parameters, context, feedback)

@@ -7,7 +7,8 @@ the true one. Regions may become too small at a price that rises while it gets c
 small in the end is repaired, and a descent with hard thresholds follows.
 
 After a first run the result is heated again and again, less than at first, and the best of before and
-after is kept, block by block (see `blocks`).
+after is kept, block by block (see `blocks`); with a fixed number of regions that is a knapsack, solved
+exactly.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ __all__ = ["Schedule", "annealing"]
 
 SMALL, RUNS_OF_SMALL = 100, 4  # areas of a small map, and into how many runs its effort is cut
 FIRST = 0.45  # share of the effort of the first run
+REST = 6  # batches between two choices of cores, times the areas of a region
 REHEATS, LEAST_REHEAT = 8, 500  # at most so many, each with at least so many steps an area
 
 
@@ -120,19 +122,23 @@ def annealing(
     if not len(regions.movable):
         return start
     n, done, report = len(problem.size), 0.0, check or (lambda share: None)
+    best = None
+    bonus = 0.0  # price of a region that keeps their number; a run goes on with that of the last one
     whole = _Effort(10_000 * n if iterations is None else iterations, seconds)
 
     def run(begin, number, share, hot):
         """One run with a share of the effort, by its number; return what it found and its steps."""
+        nonlocal bonus
+
         def tell(part):
             report(min(1.0, done + share * part))
 
         rng = np.random.Generator(np.random.PCG64([seed, number]))
         regions.load(begin)
-        steps = _cool(
-            regions, rng, whole.times(share), schedule._replace(hot=hot), count, tell
+        steps, bonus = _cool(
+            regions, rng, whole.times(share), schedule._replace(hot=hot), count, bonus, tell
         )
-        return _settle(regions, count, tell), steps
+        return _settle(regions, count, best is None, tell), steps
 
     def away(one):
         return 0 if count is None else abs(len(one.core) - count)
@@ -144,7 +150,7 @@ def annealing(
 
     # a small map has few ways out of a bad start, and time for several
     firsts = RUNS_OF_SMALL if n <= SMALL else 1
-    best, number = None, 0
+    number = 0
     for number in range(firsts):
         found, steps = run(start, number, FIRST / firsts, schedule.hot)
         best = found if best is None else better(best, found)
@@ -171,22 +177,23 @@ def _scale(regions, rng, lack):
     return float(np.median(delta)) if len(delta) else 1.0
 
 
-def _cool(regions, rng, effort, schedule, count, check):
-    """Anneal; return the number of steps."""
+def _cool(regions, rng, effort, schedule, count, bonus, check):
+    """Anneal; return the number of steps, and the price of a region in the end."""
     hot, _, cold, soft, hard = schedule
     scale = _scale(regions, rng, soft)
     m = max(8, min(4096, len(regions.movable) // 4))
-    began, priced, bonus, share = perf_counter(), 0, 0.0, 0.0
+    began, priced, share = perf_counter(), 0, 0.0
     wanted = max(4.0, regions.count / 12)
-    # new cores cost the square of the areas of a region: the larger, the rarer
-    rest = int(np.clip(len(regions.movable) / max(regions.count, 1) / 2, 4, 64))
+    # new cores cost the square of the areas of a region: the larger, the rarer; twelve times as often
+    # took half of the time, and found worse regions in it
+    rest = int(np.clip(REST * len(regions.movable) / max(regions.count, 1), 8 * REST, 128 * REST))
     while True:
         if effort.seconds is None:
             share = priced / max(effort.steps, 1)
         else:
             share = (perf_counter() - began) / max(effort.seconds, 1e-9)
         if share >= 1.0:
-            return priced
+            return priced, bonus
         regions.batch += 1
         temperature = scale * hot * (cold / hot) ** share
         terms = Terms(temperature, soft * (hard / soft) ** min(1.0, share / 0.8), bonus)
@@ -213,12 +220,16 @@ def _cool(regions, rng, effort, schedule, count, check):
             check(share)
 
 
-def _settle(regions, count, check):
-    """Repair what is too small and descend with hard thresholds; return a Solution."""
+def _settle(regions, count, alone, check):
+    """Repair what is too small and descend with hard thresholds; return a Solution.
+
+    One that is not ``alone`` may have some regions more or fewer than wanted: the choice of its blocks
+    gets their number right.
+    """
     problem = regions.problem
     _descend(regions, count, check)
     found = regions.current()
-    if count is not None and len(found.core) != count:
+    if alone and count is not None and len(found.core) != count:
         found = reach_count(problem, found, count)
         found = _settled(regions, found, count, check)
     return found

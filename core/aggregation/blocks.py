@@ -6,7 +6,9 @@ import numpy as np
 
 from .instance import Instance, Solution, costs, each_share
 
-__all__ = ["best_of_both", "block_of_areas"]
+__all__ = ["best_of_both", "block_of_areas", "cheapest_choice"]
+
+FARTHEST = 1000  # regions that a choice of blocks may be off while it is made
 
 
 def block_of_areas(one: Solution, other: Solution) -> np.ndarray:
@@ -36,14 +38,15 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     one, other : Solution
         Feasible.
     count : int, optional
-        Whether the number of regions matters: then blocks are exchanged that have as many regions in
-        both, or two at once of which one has more and the other as many fewer.
+        Number of regions wanted; then the blocks are exchanged that save most of those choices that
+        come nearest to it.
 
     Returns
     -------
     Solution
-        Feasible, as the regions of both are. Not more expensive than ``one``, nor than ``other``
-        unless a number of regions is wanted.
+        Feasible, as the regions of both are. Not more expensive than ``one``, nor than ``other``;
+        if a number of regions is wanted, not farther from it than ``one``, and as near not more
+        expensive.
 
     Notes
     -----
@@ -55,17 +58,21 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     block = block_of_areas(one, other)
     number = int(block.max(initial=-1)) + 1
     gain = _block_costs(problem, one, block, number) - _block_costs(problem, other, block, number)
-    if count is not None:
+    if count is None:
+        wins = gain > 0.0
+    else:
         more = np.bincount(block[other.core], minlength=number)
         more -= np.bincount(block[one.core], minlength=number)
-        gain = _balanced(gain, more)
+        wins = cheapest_choice(gain, more, count - len(one.core))
     if not (problem.by_class and problem.boundary):
-        return _mixed(one, other, (gain > 0.0)[block])
+        return _mixed(one, other, wins[block])
+    if count is not None:  # one by one their number would change
+        found = _mixed(one, other, wins[block])
+        return min(
+            (one, found), key=lambda some: (abs(len(some.core) - count), costs(problem, some).total)
+        )
     total, chosen = costs(problem, one).total, np.zeros(number, dtype=bool)
     best = one
-    if count is not None:  # one by one their number would change
-        found = _mixed(one, other, (gain > 0.0)[block])
-        return found if costs(problem, found).total < total else one
     if costs(problem, other).total < total:
         best, total, chosen = other, costs(problem, other).total, ~chosen
     order = np.argsort(np.where(chosen, gain, -gain), kind="stable")
@@ -82,22 +89,56 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     return best
 
 
-def _balanced(gain, more):
-    """The gain of each block where exchanging keeps the number of regions; elsewhere 0.
+def cheapest_choice(gain: np.ndarray, more: np.ndarray, wanted: int) -> np.ndarray:
+    """Return which blocks to exchange so that the number of regions changes as wanted: (b,) bool.
 
-    Of blocks that have k regions more and of those that have k fewer, the best are taken in pairs.
+    Parameters
+    ----------
+    gain : (b,) float
+        What exchanging each block saves.
+    more : (b,) int
+        How many regions it adds.
+    wanted : int
+        How many regions all together are to add; if no choice adds so many, the nearest number.
+
+    Returns
+    -------
+    (b,) bool
+        The choice that saves most, as long as no more than `FARTHEST` regions are ever between the number
+        reached and the one wanted or none.
+
+    Notes
+    -----
+    A knapsack by dynamic programming: O(b s) for a sum s of the numbers that are not 0.
     """
-    kept = np.where(more == 0, gain, 0.0)
-    for k in np.unique(more[more > 0]).tolist():
-        plus, minus = (
-            some[np.argsort(-gain[some], kind="stable")]
-            for some in (np.flatnonzero(more == k), np.flatnonzero(more == -k))
-        )
-        for a, b in zip(plus.tolist(), minus.tolist()):
-            if gain[a] + gain[b] <= 0.0:
-                break
-            kept[[a, b]] = (gain[a] + gain[b]) / 2.0
-    return kept
+    chosen = (more == 0) & (gain > 0.0)
+    some = np.flatnonzero(more)
+    share = np.zeros(len(some))  # blocks with more and with fewer in turn: so the sums stay small
+    for its in (more[some] > 0, more[some] < 0):
+        share[its] = np.cumsum(more[some][its]) / more[some][its].sum()
+    some = some[np.argsort(share, kind="stable")]
+    low = max(int(more[some][more[some] < 0].sum()), min(0, wanted) - FARTHEST)
+    high = min(int(more[some][more[some] > 0].sum()), max(0, wanted) + FARTHEST)
+    best = np.full(high - low + 1, -np.inf)
+    best[-low] = 0.0
+    taken = np.zeros((len(some), len(best)), dtype=bool)
+    for k, b in enumerate(some.tolist()):
+        step = int(more[b])
+        with_it = np.full(len(best), -np.inf)
+        if step > 0:
+            with_it[step:] = best[:-step] + gain[b]
+        else:
+            with_it[:step] = best[-step:] + gain[b]
+        taken[k] = with_it > best
+        best = np.maximum(best, with_it)
+    reached = np.flatnonzero(best > -np.inf)
+    away = np.abs(reached + low - wanted)
+    at = int(reached[np.lexsort((-best[reached], away))[0]])
+    for k in range(len(some) - 1, -1, -1):
+        if taken[k, at]:
+            chosen[some[k]] = True
+            at -= int(more[some[k]])
+    return chosen
 
 
 def _block_costs(problem, found, block, number):

@@ -125,11 +125,18 @@ def cover(
     tail, head, row = point[start], point[end], start
     polygon = ring_polygon[ring[edge]]
 
-    reach = np.abs(points).max(axis=1)
-    np.maximum.at(reach, tail, np.abs(points[head]).max(axis=1))
-    np.maximum.at(reach, head, np.abs(points[tail]).max(axis=1))
-    tolerance = 1e-9 * reach if tolerance is None else np.full(len(points), tolerance)
     twin = _twins(tail, head, len(points))
+    if tolerance is None:  # asked for at the ends of open edges only
+        is_end = np.zeros(len(points), dtype=bool)
+        is_end[tail[twin < 0]] = is_end[head[twin < 0]] = True
+        own = np.abs(points).max(axis=1)
+        reach = own.copy()
+        for one, other in ((tail, head), (head, tail)):
+            some = np.flatnonzero(is_end[one])
+            np.maximum.at(reach, one[some], own[other[some]])
+        tolerance = 1e-9 * reach
+    else:
+        tolerance = np.full(len(points), tolerance)
     same = _close(points, tail, head, polygon, twin < 0, tolerance)
     if same is not None:
         point, tail, head = same[point], same[tail], same[head]
@@ -541,8 +548,13 @@ def joined(coverage: Coverage, label: np.ndarray) -> dict[int, list[list[np.ndar
             walk.append(k)
             k = following[k]
         rings.setdefault(labels[first], []).extend(_simple(walk, tail))
-    for one, cycles in rings.items():
-        result[one] = _nest(coverage, [kept[cycle] for cycle in cycles])
+    one_of = [one for one, cycles in rings.items() for _ in cycles]
+    cycles = [cycle for its in rings.values() for cycle in its]
+    if not cycles:
+        return result
+    for which, *ring in _corners(coverage, kept[np.concatenate(cycles)], [len(cycle) for cycle in cycles]):
+        result.setdefault(one_of[which], []).append(ring)
+    result = {one: _nest(coverage, its) for one, its in result.items()}
     return {one: polygons for one, polygons in result.items() if polygons}
 
 
@@ -580,17 +592,25 @@ def _simple(walk, tail):
     return [cycle for cycle in cycles if len(cycle) > 2]
 
 
-def _nest(coverage, cycles):
-    """Rings of rows, each shell with its holes; points that only cut an edge are dropped."""
+def _corners(coverage, pieces, count):
+    """The rings of closed walks: which walk, area, rows; points that only cut an edge are dropped."""
+    offsets = offsets_of(count)
+    edge = coverage.edge[pieces]
+    before = np.roll(edge, 1)
+    before[offsets[:-1]] = edge[offsets[1:] - 1]
+    corner = edge != before
+    count = np.add.reduceat(corner.astype(np.int64), offsets[:-1])
+    large = count > 2
+    rows = coverage.row[pieces][corner & np.repeat(large, np.diff(offsets))]
+    offsets = offsets_of(count[large])
+    area = signed_areas(coverage.coords[rows, :2], offsets)
+    return zip(np.flatnonzero(large).tolist(), area.tolist(), np.split(rows, offsets[1:-1]))
+
+
+def _nest(coverage, rings):
+    """Rings, by their area and rows, as shells with their holes."""
     shells, holes = [], []
-    for cycle in cycles:
-        edge = coverage.edge[cycle]
-        corner = edge != np.roll(edge, 1)
-        rows = coverage.row[cycle][corner]
-        if len(rows) < 3:
-            continue
-        xy = coverage.coords[rows, :2]
-        area = float(signed_areas(xy, np.array([0, len(rows)]))[0])
+    for area, rows in rings:
         (shells if area > 0.0 else holes).append((abs(area), rows))
     if not shells:
         return []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from math import sqrt
 from typing import Callable
 
 import numpy as np
@@ -16,6 +17,7 @@ from .instance import (
     connected_parts,
     each_share,
     enough,
+    enough_from,
     shares,
     solution,
 )
@@ -69,16 +71,14 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
         parts = components(problem, problem.cls)
         label[lost] = n + parts[lost]
     grown = _Growing(problem)
-    size, theta, core = grown.size, grown.theta, grown.core
+    size, least, core = grown.size, grown.least, grown.core
     alive = (~lost).tolist()
-    heap = [(size[v], v) for v in range(n) if alive[v] and not enough(size[v], theta[v])]
+    heap = [(size[v], v) for v in range(n) if alive[v] and size[v] < least[v]]
     heapq.heapify(heap)
     whole, steps = len(heap) or 1, 0
     while heap:
         weight, r = heapq.heappop(heap)
-        if not alive[r] or weight != size[r] or enough(size[r], theta[core[r]]):
-            continue
-        if not grown.beside[r]:
+        if not alive[r] or weight != size[r] or weight >= least[core[r]] or not grown.beside[r]:
             continue
         steps += 1
         if check is not None and steps % 256 == 0:
@@ -86,7 +86,7 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
         s = grown.cheapest(r)
         grown.join(r, s)
         alive[r] = False
-        if not enough(size[s], theta[core[s]]):
+        if size[s] < least[core[s]]:
             heapq.heappush(heap, (size[s], s))
     for r in range(n):
         if alive[r]:
@@ -107,8 +107,9 @@ class _Growing:
         self.size, self.place = problem.size.tolist(), problem.place.tolist()
         self.spread, self.cls = problem.spread.tolist(), problem.cls.tolist()
         self.area = problem.size.tolist()
-        self.distance = (problem.change * problem.distance).tolist()
-        self.theta = problem.theta[problem.cls].tolist()
+        self.to = (problem.change * problem.distance).T.tolist()  # the price of a class, by the other one
+        self.least = enough_from(problem.theta)[problem.cls].tolist()
+        self.excludes = bool(np.isinf(problem.theta).any())
         self.core = list(range(n))
         self.members = [[v] for v in range(n)]
         self.cost = each_share(problem, np.arange(n), np.arange(n)).tolist()
@@ -124,13 +125,12 @@ class _Growing:
         """What areas cost under a core."""
         if len(areas) > FEW:
             return float(shares(self.problem, np.array(areas), np.array([core])).sum())
-        centre, there = self.problem.centre, self.place[core]
-        kept, total = self.cls[core], 0.0
+        centre, there, price = self.problem.centre, self.place[core], self.to[self.cls[core]]
+        area, cls, place, spread = self.area, self.cls, self.place, self.spread
+        total = 0.0
         for v in areas:
-            away = abs(self.place[v] - there)
-            total += self.area[v] * (
-                self.distance[self.cls[v]][kept] + centre * math.sqrt(away * away + self.spread[v])
-            )
+            away = abs(place[v] - there)
+            total += area[v] * (price[cls[v]] + centre * sqrt(away * away + spread[v]))
         return total
 
     def cheapest(self, r):
@@ -146,8 +146,8 @@ class _Growing:
         costs = [
             (self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around
         ]
-        excluded = [math.isinf(self.theta[self.core[s]]) for s in around]
-        if any(excluded):  # an excluded class is the last resort: its own turn to join comes later
+        if self.excludes:  # an excluded class is the last resort: its own turn to join comes later
+            excluded = [self.least[self.core[s]] == math.inf for s in around]
             more = sum(abs(cost) for cost, _ in costs)
             costs = [(cost + more * last, s) for (cost, s), last in zip(costs, excluded)]
         return min(costs)[1]
@@ -171,24 +171,26 @@ class _Growing:
                 beside[t][s] = beside[s][t] = beside[s].get(t, 0.0) + shared
         beside[r] = {}
 
+    def _rank(self, size, core):
+        """0: large enough for the class of a core, 1: too small, 2: the class is excluded."""
+        least = self.least[core]
+        return 0 if size >= least else 1 if least < math.inf else 2
+
     def _choose_core(self, r, s):
         total = self.size[r] + self.size[s]
         u, v = self.core[r], self.core[s]
-        ranks = [
-            0 if enough(total, self.theta[w]) else 1 if math.isfinite(self.theta[w]) else 2
-            for w in (u, v)
-        ]
+        ranks = [self._rank(total, u), self._rank(total, v)]
         stays = self.cost[s] + self.shares(self.members[r], v)
         if ranks[0] > ranks[1]:
             self.cost[s] = stays
             return
         if ranks[0] == ranks[1]:
             # no areas are nearer to a place than their centroid
+            price = self.to[self.cls[u]]
             least = self.cost[r] + self.problem.centre * abs(
                 self.moment[s] - self.size[s] * self.place[u]
-            ) + sum(
-                size * self.distance[kept][self.cls[u]] for kept, size in self.by_class[s].items()
             )
+            least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
             if least > stays:
                 self.cost[s] = stays
                 return

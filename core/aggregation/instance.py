@@ -421,7 +421,12 @@ def cheapest_core(problem: Instance, members: np.ndarray, extra: np.ndarray) -> 
 
 def enough(size: np.ndarray | float, theta: np.ndarray | float) -> np.ndarray | bool:
     """Whether a size reaches a threshold; sums of sizes may be off by rounding."""
-    return size >= theta * (1.0 - 1e-12)
+    return size >= enough_from(theta)
+
+
+def enough_from(theta: np.ndarray | float) -> np.ndarray | float:
+    """The size from which `enough` holds."""
+    return theta * (1.0 - 1e-12)
 
 
 def _class_lengths(problem, members, region, core, number):

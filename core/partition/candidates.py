@@ -17,7 +17,7 @@ from ..rings import groups, shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
-from .triangulation import diagonals, triangulate
+from .triangulation import diagonals, sides_of, triangulate
 
 __all__ = ["ACCEPTED", "CROSSES", "Diagonals", "Lines", "OFF_VERTICES", "counted", "from_lines",
            "from_triangulation"]
@@ -141,8 +141,8 @@ class Diagonals(NamedTuple):
 
 def from_triangulation(
     polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
-    smallest: np.ndarray | None = None, only_natural: bool = False, engine: str | None = None,
-    check: Callable = ignore,
+    smallest: np.ndarray | None = None, only_natural: bool = False, known: tuple | None = None,
+    engine: str | None = None, check: Callable = ignore,
 ) -> Diagonals:
     """Find the diagonals of triangulations that do not touch the boundary components left out.
 
@@ -158,6 +158,8 @@ def from_triangulation(
         Area of the smallest part of each polygon: asks which diagonals are natural (`natural.natural`).
     only_natural : bool
         Whether only these will be candidates; so are the places then.
+    known : tuple, optional
+        What `triangulation.triangulate` says of the polygons without the others, if that is known.
     measure, engine, check
         See `triangulation.triangulate`.
 
@@ -171,7 +173,7 @@ def from_triangulation(
     if free.any():
         rest, vertex = without_rings(polygons, free)
         corner, _ = take(polygons.offsets, np.flatnonzero(~free))
-    triangles, verdict = triangulate(
+    triangles, verdict = known or triangulate(
         rest, conformal=measure.conformal, engine=engine, check=check
     )
     if (verdict != "").any():
@@ -181,9 +183,10 @@ def from_triangulation(
         back = np.empty(len(vertex), dtype=np.int64)
         back[number] = np.arange(len(number))
         triangles, vertex = back[triangles], vertex[number]
-    edges = diagonals(rest, triangles)
+    sides = sides_of(rest, triangles)
+    edges = diagonals(rest, triangles, sides)
     position = measure.positions(rest.xy)
-    short = places(rest, triangles, position, measure)
+    short = places(rest, sides, position, measure)
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
     found = Diagonals(vertex[edges], verdict, short)

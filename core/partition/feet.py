@@ -20,7 +20,7 @@ from ..progress import ignore
 from ..rings import Rings, following, offsets_of, previous, running, shapes, take
 from .natural import BENT, WIDER, Outline, bends
 from .polygon import Polygons, is_valid, select, without_rings
-from .triangulation import triangulate
+from .triangulation import Sides, sides_of, triangulate
 
 __all__ = ["Places", "along_edges", "concave_places", "large_places", "places", "with_feet"]
 
@@ -52,15 +52,15 @@ class Places(NamedTuple):
 
 
 def places(
-    polygons: Polygons, triangles: np.ndarray, position: np.ndarray, measure: Metric
+    polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metric
 ) -> Places:
     """Find the places where a cut could end inside an edge.
 
     Parameters
     ----------
     polygons : Polygons
-    triangles : (t, 3) int
-        Vertices of the constrained Delaunay triangulations.
+    sides : triangulation.Sides
+        Of the triangles of the constrained Delaunay triangulations.
     position : (n, 2 or 3) float
         ``measure.positions`` of the vertices.
     measure : metric.Metric
@@ -80,13 +80,13 @@ def places(
     >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
     >>> polygon = one(xy, [0, 7])
     >>> triangles, _ = triangulate(polygon)
-    >>> found = places(polygon, triangles, polygon.xy, planar())
+    >>> found = places(polygon, sides_of(polygon, triangles), polygon.xy, planar())
     >>> polygon.xy[found.apex], polygon.xy[found.edge], found.share, found.length
     (array([[10.,  1.]]), array([[0., 0.]]), array([0.5]), array([1.]))
     """
     xy, vertex = polygons.xy, polygons.vertex
     after = vertex[polygons.next_corner]
-    edge, v = _edges_opposite(polygons, triangles, _concave(polygons))
+    edge, v = _edges_opposite(polygons, sides, _concave(polygons))
     start = position.take(vertex[edge], axis=0)
     along, to = position.take(after[edge], axis=0) - start, position.take(v, axis=0) - start
     with np.errstate(all="ignore"):  # magnitudes may be extreme; what overflows is no place
@@ -175,7 +175,7 @@ def large_places(
 def with_feet(
     polygons: Polygons, rings: Rings, free: np.ndarray, smallest: np.ndarray, *, measure: Metric,
     engine: str | None = None, check: Callable = ignore,
-) -> tuple[Polygons, np.ndarray]:
+) -> tuple[Polygons, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
     """Insert the feet as vertices.
 
     They are inserted corners, so a part in which no cut ends at one does not get it.
@@ -200,10 +200,14 @@ def with_feet(
     coords : (f, d) float
         The new rows: x and y, and what rides along interpolated between the ends of the edge. Some may
         be used by no corner.
+    known : ((t, 3) int, (p,) object), or None
+        What `triangulation.triangulate` says of the new polygons without the free rings, if the last round
+        left nothing to insert.
 
     Notes
     -----
-    A triangulation of the polygons with new vertices in each round, most often three or four.
+    A triangulation of the polygons with new vertices in each round, most often three or four; the last one of
+    each polygon is that of the result.
 
     Examples
     --------
@@ -212,15 +216,20 @@ def with_feet(
     >>> from isthmus.core.rings import one_polygon
     >>> rows = np.array([[0, 0, 5], [20, 0, 7], [20, 10, 7], [11, 10, 6], [10, 1, 6], [9, 10, 6],
     ...                  [0, 10, 5.0]])
-    >>> polygon, coords = with_feet(one(rows, [0, 7]), one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool),
-    ...                             np.zeros(1), measure=planar())
+    >>> whole, none_free = one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool)
+    >>> polygon, coords, (triangles, _) = with_feet(
+    ...     one(rows, [0, 7]), whole, none_free, np.zeros(1), measure=planar())
     >>> coords
     array([[10.,  0.,  6.]])
     >>> polygon.rows
     array([0, 7, 1, 2, 3, 4, 5, 6])
+    >>> len(triangles)
+    6
     """
     new = np.empty((0, rings.coords.shape[1]))
     changed = np.arange(len(polygons.unit))
+    problem = np.full(len(polygons.unit), "", dtype=object)
+    done = []  # of the polygons that a round leaves as they are: number, triangles, and how many of each
     for _ in range(ROUNDS):
         some, _ = select(polygons, changed)
         corner, _ = take(polygons.corner_offsets, changed)
@@ -232,24 +241,40 @@ def with_feet(
         triangles, verdict = triangulate(
             some, conformal=measure.conformal, engine=engine, check=lambda share: check()
         )
+        asked, problem[changed] = changed, verdict
         if (verdict != "").any():
             good = np.flatnonzero(verdict == "")
+            asked = asked[good]
             corner = corner[take(some.corner_offsets, good)[0]]
             some, number = select(some, good)
             own_smallest = own_smallest[good]
             back = np.empty(int(number.max(initial=-1)) + 1, dtype=np.int64)
             back[number] = np.arange(len(number))
             triangles = back[triangles]
-        found = places(some, triangles, measure.positions(some.xy), measure)
+        found = places(some, sides_of(some, triangles), measure.positions(some.xy), measure)
         large = large_places(some, found, measure, own_smallest)
         found = Places(*(x[large] for x in found))
         polygons, coords, changed = _inserted(
             polygons, rings.coords, len(new), corner[found.edge], found.share
         )
+        owner = some.polygon_of_vertex[triangles[:, 0]]
+        size = np.bincount(owner, minlength=len(asked))
+        still = np.flatnonzero(~np.isin(asked, changed))
+        index, _ = take(offsets_of(size), still)
+        done.append((asked[still], (triangles - some.vertex_offsets[owner][:, None])[index], size[still]))
         if not len(changed):
-            break
+            return polygons, new, (_together(polygons, free, done), problem)
         new = np.concatenate((new, coords))
-    return polygons, new
+    return polygons, new, None
+
+
+def _together(polygons, free, done):
+    """(t, 3) int: triangles, told by the vertices of their polygons, in the order of the polygons."""
+    which, triangles, size = (np.concatenate(x) for x in zip(*done))
+    rest = without_rings(polygons, free)[0] if free.any() else polygons
+    triangles = triangles + np.repeat(rest.vertex_offsets[which], size)[:, None]
+    index, _ = take(offsets_of(size), np.argsort(which, kind="stable"))
+    return triangles[index]
 
 
 def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
@@ -275,26 +300,22 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     return (ring[first] == ring[last]) & ((between == 0) | (outside == 0))
 
 
-def _edges_opposite(polygons, triangles, wanted):
+def _edges_opposite(polygons, sides, wanted):
     """The edges of polygons, by the corners they leave, with a wanted vertex opposite in their triangle."""
     xy, vertex = polygons.xy, polygons.vertex
-    after, several = vertex[polygons.next_corner], len(vertex) > len(xy)
+    side = np.flatnonzero(sides.boundary)
+    v = sides.head.take(side + np.where(side % 3 == 2, -2, 1))  # the next side ends opposite
+    some = np.flatnonzero(wanted.take(v))
+    side, v = side[some], v[some].astype(np.int64)
+    a = sides.tail.take(side)
     corner = np.empty(len(xy), dtype=np.int64)
     corner[vertex] = np.arange(len(vertex))
-    edges, apexes = [], []
-    for k in range(3):
-        some = np.flatnonzero(wanted.take(triangles[:, (k + 2) % 3]))
-        a, b, v = (triangles[:, (k + other) % 3].take(some) for other in range(3))
-        edge = corner[a]
-        if several:  # rings touch: some vertices have several edges
-            key = vertex * len(xy) + after
-            order = np.argsort(key)
-            found = np.searchsorted(key, a.astype(np.int64) * len(xy) + b, sorter=order)
-            edge = order[np.minimum(found, len(order) - 1)]
-        on = np.flatnonzero((vertex[edge] == a) & (after[edge] == b))
-        edges.append(edge[on])
-        apexes.append(v[on])
-    return np.concatenate(edges), np.concatenate(apexes).astype(np.int64)
+    edge = corner.take(a)
+    if len(vertex) > len(xy):  # rings touch: some vertices have several edges
+        key = vertex * len(xy) + vertex[polygons.next_corner]
+        order = np.argsort(key)
+        edge = order[np.searchsorted(key, a.astype(np.int64) * len(xy) + sides.head[side], sorter=order)]
+    return edge, v
 
 
 def _concave(polygons):

@@ -775,10 +775,11 @@ class _Search:
     def _more_points(self):
         """As many as the last gap lets expect to be enough: it falls faster than as 1 / points.
 
-        Of coasts of 111,000 to 1.16 million vertices it fell as points ** -1.1 to -1.5. A pass less is
-        worth more than a finer guide: coasts were measured to need 0.86 of the time.
+        On the coast of 1.16 million vertices it fell as points ** -1.18, on one of 139,785 as -1.28. Twelve
+        searches on coasts of 7,000 to 34,000 vertices, for gaps of 1 to 0.02 per cent, took 0.84 of the time
+        with an exponent of 0.85 instead of 0.95, but on the largest coast that would leave nothing to spare.
         """
-        factor = (self.best.gap[self.trees] / self.best.max_gap) ** 0.95
+        factor = (self.best.gap[self.trees] / self.best.max_gap) ** 0.88
         more = self.points * np.clip(factor, 1.0, GROWTH) + 1
         return np.minimum(more.astype(np.int64), self.max_points)
 

@@ -18,7 +18,7 @@ import shapely
 
 from ..errors import Unsolvable
 from ..predicates import orientations
-from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, take
+from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
 
 __all__ = ["Polygons", "from_rings", "is_valid", "one", "select", "without_rings"]
 
@@ -373,49 +373,62 @@ def _merge_touching(polygons):
 
     In a valid polygon two rings have at most one point in common. It is a vertex of at least one.
     """
-    touching = _touching(polygons)
-    if not len(touching):
+    one, other = _touching(polygons)
+    if not len(one):
         return polygons
-    polygons = _insert_corners(polygons, touching)
-    is_touching = np.zeros(len(polygons.offsets) - 1, dtype=bool)
-    is_touching[touching] = True
-    corners = np.flatnonzero(is_touching[polygons.ring_of_corner])
-    owner = polygons.polygon_of_ring[polygons.ring_of_corner[corners]]
-    x, y = polygons.xy[corners].T
-    order = np.lexsort((corners, y, x, owner))
-    new = np.ones(len(corners), dtype=bool)
-    new[1:] = (
-        (np.diff(owner[order]) != 0) | (np.diff(x[order]) != 0) | (np.diff(y[order]) != 0)
-    )
-    first = corners[order][new]
+    touching = np.unique(one)
+    corners, size = _by_place(polygons, touching)
+    # mostly both have a vertex there; edges are searched only for the others
+    shared = np.repeat(size > 1, size)
+    size_of, begin = size[size > 1], offsets_of(size[size > 1])[:-1]
+    ring = polygons.ring_of_corner[corners[shared]]
+    pair = np.repeat(ring, np.repeat(size_of, size_of)), ring[
+        ranges(np.repeat(begin, size_of), np.repeat(size_of, size_of))]
+    count = len(polygons.offsets)
+    on_edge = ~np.isin(one * count + other, pair[0] * count + pair[1])
+    if on_edge.any():
+        polygons = _insert_corners(polygons, np.unique(one[on_edge]))
+        corners, size = _by_place(polygons, touching)
+    first = corners[offsets_of(size)[:-1]]
     representative = np.arange(len(polygons.vertex))
-    representative[corners[order]] = first[np.cumsum(new) - 1]
+    representative[corners] = np.repeat(first, size)
     kept, vertex = np.unique(representative, return_inverse=True)
     return polygons._replace(xy=polygons.xy[kept], vertex=vertex.ravel())
 
 
+def _by_place(polygons, rings):
+    """Corners of rings, those at one point of a polygon side by side, and how many are at each point."""
+    corners, _ = take(polygons.offsets, rings)
+    owner = polygons.polygon_of_ring[polygons.ring_of_corner[corners]]
+    x, y = polygons.xy[corners].T
+    order = np.lexsort((corners, y, x, owner))
+    owner, x, y = owner[order], x[order], y[order]
+    new = np.append(True, (owner[1:] != owner[:-1]) | (x[1:] != x[:-1]) | (y[1:] != y[:-1]))
+    return corners[order], np.diff(np.append(np.flatnonzero(new), len(new)))
+
+
 def _touching(polygons):
-    """Rings that touch another ring of their polygon."""
+    """Pairs of rings of a polygon that touch, each in both orders."""
     holes = np.diff(polygons.polygon_offsets) - 1
     if not holes.any():
-        return np.empty(0, dtype=np.int64)
+        return np.empty((2, 0), dtype=np.int64)
     lines = np.empty(len(polygons.offsets) - 1, dtype=object)
     with_holes = np.flatnonzero(holes > 0)
     ring, _ = take(polygons.polygon_offsets, with_holes)
     corner, offsets = take(polygons.offsets, ring)
     lines[ring] = shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
-    found = []
     # one hole: no tree is needed, and all such polygons are one call
     shell = polygons.polygon_offsets[:-1][holes == 1]
     met = shell[shapely.intersects(lines[shell], lines[shell + 1])]
-    found += [met, met + 1]
+    found = [(met, met + 1), (met + 1, met)]
     for p in np.flatnonzero(holes > 1).tolist():
         lo, hi = polygons.polygon_offsets[p:p + 2].tolist()
         tree = shapely.STRtree(lines[lo + 1:hi])
         met = lo + 1 + tree.query(lines[lo], predicate="intersects")
+        shell = np.full(len(met), lo)
         pairs = tree.query(lines[lo + 1:hi], predicate="intersects")
-        found += [met, np.full(min(len(met), 1), lo), lo + 1 + pairs[0][pairs[0] != pairs[1]]]
-    return np.unique(np.concatenate(found))
+        found += [(met, shell), (shell, met), lo + 1 + pairs[:, pairs[0] != pairs[1]]]
+    return np.concatenate(found, axis=1)
 
 
 def _insert_corners(polygons, touching):

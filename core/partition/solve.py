@@ -390,14 +390,17 @@ def prepare(
     generalise = lines is None and (natural or bool((smallest > 0.0).any()))
     check(0.15)
     component, wanted, attachable = _components(polygons, measure, min_hole)
-    new_rows, short = np.empty((0, rings.coords.shape[1])), None
+    new_rows, short, known = np.empty((0, rings.coords.shape[1])), None, None
     if new_vertices and lines is None:
-        polygons, new_rows = with_feet(
-            polygons, rings, ~wanted[component],
+        free = ~wanted[component]
+        polygons, new_rows, known = with_feet(
+            polygons, rings, free,
             smallest[polygons.number] / polygons.unit / polygons.unit,
             measure=measure, engine=engine, check=check,
         )
         component, wanted, attachable = _components(polygons, measure, min_hole)
+        if (free != ~wanted[component]).any():  # a vertex more changed the area of a hole by its last bit
+            known = None
     set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
     accepted = None
     more: dict[str, np.ndarray] = {}  # what else belongs to the edges
@@ -405,7 +408,7 @@ def prepare(
         found = from_triangulation(
             polygons, component, wanted, measure=measure, engine=engine,
             smallest=smallest[polygons.number] if generalise else None, only_natural=natural,
-            check=stretch(check, 0.15, 0.7),
+            known=known, check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
         chosen = np.ones(len(edges), dtype=bool)

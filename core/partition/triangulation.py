@@ -8,7 +8,7 @@ checked. The engine's own call is the only loop over polygons.
 from __future__ import annotations
 
 from types import ModuleType
-from typing import Callable
+from typing import Callable, NamedTuple
 
 import numpy as np
 import shapely
@@ -20,7 +20,7 @@ from . import engines
 from .engines import engine_name
 from .polygon import Polygons, is_valid
 
-__all__ = ["diagonals", "engine_name", "missing_packages", "triangulate"]
+__all__ = ["Sides", "diagonals", "engine_name", "missing_packages", "sides_of", "triangulate"]
 
 TOO_FINE = "the polygon could not be triangulated (too fine for double precision)"
 
@@ -36,6 +36,22 @@ def missing_packages(shapely_module: ModuleType = shapely) -> str:
             return f"the environment variable {engines.VARIABLE} asks for {only!r}, which is not installed"
         return f"the package pythoncdt or triangle, or shapely 2.1 instead of {version}, is needed"
     return ""
+
+
+class Sides(NamedTuple):
+    """The three sides of each triangle, one triangle after the other.
+
+    Attributes
+    ----------
+    tail, head : (3 t,) int
+        Vertices at the ends.
+    boundary : (3 t,) bool
+        Whether it is an edge of a polygon.
+    """
+
+    tail: np.ndarray
+    head: np.ndarray
+    boundary: np.ndarray
 
 
 def triangulate(
@@ -110,8 +126,15 @@ def triangulate(
     return triangles[index], verdict
 
 
-def diagonals(polygons: Polygons, triangles: np.ndarray) -> np.ndarray:
+def diagonals(polygons: Polygons, triangles: np.ndarray, sides: Sides | None = None) -> np.ndarray:
     """Return the inner edges of triangulations.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    triangles : (t, 3) int
+    sides : Sides, optional
+        Those of the triangles, where they are known.
 
     Returns
     -------
@@ -119,7 +142,7 @@ def diagonals(polygons: Polygons, triangles: np.ndarray) -> np.ndarray:
         Vertices u < v of the n + 3 (h - 1) diagonals of each polygon, u ascending, then v descending.
     """
     n = len(polygons.xy)
-    a, b, boundary = _half_edges(polygons, triangles)
+    a, b, boundary = sides or sides_of(polygons, triangles)
     # an inner edge borders two triangles, and runs upwards in one of them
     inner = np.flatnonzero((a < b) & ~boundary)
     a, b = a[inner].astype(np.int64), b[inner].astype(np.int64)
@@ -168,8 +191,23 @@ def _by_engine(name, polygons, plane, which, check):
     return triangles if len(vertex) == len(polygons.xy) else vertex[triangles], offsets
 
 
-def _half_edges(polygons, triangles):
-    """Tails and heads of the sides of triangles, and which are edges of the polygons."""
+def sides_of(polygons: Polygons, triangles: np.ndarray) -> Sides:
+    """Return the sides of triangles.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    triangles : (t, 3) int
+        Counter-clockwise.
+
+    Returns
+    -------
+    Sides
+
+    Notes
+    -----
+    O(t), but where rings touch a sort of some n.
+    """
     n = len(polygons.xy)
     a, b = triangles.ravel(), triangles.take([1, 2, 0], axis=1).ravel()
     vertex, after = polygons.vertex, polygons.vertex[polygons.next_corner]
@@ -181,7 +219,7 @@ def _half_edges(polygons, triangles):
         k = np.flatnonzero(several[a] & ~boundary)
         mine = several[vertex]
         boundary[k] = np.isin(a[k].astype(np.int64) * n + b[k], vertex[mine] * n + after[mine])
-    return a, b, boundary
+    return Sides(a, b, boundary)
 
 
 def _are_triangulations(polygons, which, triangles, offsets):
@@ -199,7 +237,7 @@ def _are_triangulations(polygons, which, triangles, offsets):
     if outside.any():
         good &= _numbers_of(outside, bounds) == 0
         triangles = np.where(outside.reshape(-1, 3).any(axis=1)[:, None], 0, triangles)
-    a, b, boundary = _half_edges(polygons, triangles)
+    a, b, boundary = sides_of(polygons, triangles)
     good &= _numbers_of(boundary, bounds) == corners
     inner = _numbers_of((a < b) & ~boundary, bounds)
     return good & (2 * inner + corners == 3 * size)

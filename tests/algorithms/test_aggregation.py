@@ -2,10 +2,7 @@
 
 import json
 import math
-import os
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from random import Random
 
@@ -14,7 +11,9 @@ import pytest
 qgis_core = pytest.importorskip("qgis.core")
 
 from isthmus.algorithms.aggregation.aggregate import AggregateAlgorithm  # noqa: E402
+from isthmus.algorithms.aggregation.areas import text, texts  # noqa: E402
 from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
+from isthmus.algorithms.layers.source import Reader  # noqa: E402
 from qgis.core import (  # noqa: E402
     NULL,
     QgsFeature,
@@ -23,13 +22,13 @@ from qgis.core import (  # noqa: E402
     QgsPoint,
     QgsPolygon,
     QgsProcessingContext,
+    QgsProcessingFeatureSource,
     QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsVectorLayer,
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 # two squares of side 10, joined by a corridor of width 1
 DUMBBELL = (
     "Polygon ((0 0, 10 0, 10 4, 20 4, 20 0, 30 0, 30 10, 20 10, 20 5, 10 5, 10 10, 0 10, 0 0))"
@@ -515,27 +514,7 @@ def test_pieces_are_merged_without_a_trace(qgis_app):
     assert sum(a.geometry().area() for a in layers["ASSIGNMENT"]) == pytest.approx(450.0)
 
 
-@pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
-def test_the_model_runs_in_qgis_process(tmp_path):
-    plugins = tmp_path / "plugins"
-    plugins.mkdir()
-    (plugins / "isthmus").symlink_to(ROOT)
-    environment = {
-        **os.environ, "QT_QPA_PLATFORM": "offscreen", "QGIS_PLUGINPATH": str(plugins),
-        "QGIS_CUSTOM_CONFIG_PATH": str(tmp_path / "profile"), "XDG_RUNTIME_DIR": str(tmp_path),
-        # the packages of this environment
-        "PYTHONPATH": str(Path(pytest.importorskip("shapely").__file__).parents[1]),
-    }
-
-    def call(*arguments):
-        done = subprocess.run(
-            [QGIS_PROCESS, *arguments], env=environment, stdin=subprocess.DEVNULL,
-            capture_output=True, encoding="utf-8",
-        )  # fmt: skip
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    call("plugins", "enable", "isthmus")
+def test_the_model_runs_in_qgis_process(qgis_process, tmp_path):
     features = [
         {"type": "Feature", "properties": {"code": code},
          "geometry": json.loads(QgsGeometry.fromWkt(wkt).asJson())}
@@ -546,8 +525,8 @@ def test_the_model_runs_in_qgis_process(tmp_path):
         "type": "FeatureCollection", "features": features,
         "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}},
     }))
-    call(
-        "run", str(ROOT / "resources" / "models" / "prepare_and_aggregate.model3"), "--",
+    qgis_process(
+        "run", ROOT / "resources" / "models" / "prepare_and_aggregate.model3", "--",
         f"INPUT={source}", "CLASS=code", "THRESHOLD=120", "METHOD=greedy",
         f"aggregate:regions={regions}", f"aggregate:areas={given}",
     )  # fmt: skip
@@ -705,3 +684,31 @@ def test_the_bound_is_not_above_the_cost(qgis_app):
         ITERATIONS=3000,
     )  # fmt: skip
     assert 0.0 < results["LOWER_BOUND"] <= results["TOTAL_COST"]
+
+
+def test_the_texts_of_a_field_are_those_of_its_values():
+    class Row:
+        def __init__(self, value):
+            self.value = value
+
+        def attribute(self, index):
+            return self.value
+
+    values = [1, 1.0, True, "1", " 1", "True", NULL, None, "", "NULL", 311.0, 311.5, 1, NULL]
+    assert texts([Row(one) for one in values], 0) == [text(one) for one in values]
+    assert texts([Row(NULL), Row("NULL"), Row(True)], 0) == [None, "NULL", "True"]
+
+
+@pytest.mark.parametrize("keep", [False, True])
+def test_a_reader_that_keeps_the_features_gives_the_same(keep):
+    layer = areas([(box(0, 0), "a"), (None, "b"), (DUMBBELL, "c"), (box(10, 0), NULL)])
+    context = QgsProcessingContext()
+    reader, shares = Reader(QgsProcessingFeatureSource(layer, context), Listener(), keep), []
+    reader.feedback.setProgress = shares.append
+    for _ in range(2):
+        found = [(one.id(), one.attributes(), one.geometry().asWkt()) for one in reader]
+        assert found == [
+            (one.id(), one.attributes(), one.geometry().asWkt()) for one in layer.getFeatures()
+        ]
+        assert shares[:4] == sorted(shares[:4]) and shares[3] == 100.0
+        reader.done = 0

@@ -1,13 +1,8 @@
 """The tool in a saved model, and through the real qgis_process."""
 
 import json
-import os
-import shutil
-import subprocess
-from pathlib import Path
 
 import pytest
-import shapely
 from qgis.core import (
     QgsProcessingContext,
     QgsProcessingFeedback,
@@ -21,8 +16,6 @@ from qgis.core import (
     QgsVectorLayer,
 )
 
-ROOT = Path(__file__).resolve().parents[2]
-QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 ROOMS = {  # two squares and the corridor between them
     "type": "FeatureCollection",
     "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3857"}},
@@ -84,35 +77,6 @@ def results_of(answer):
     return json.loads(answer[answer.index("{"):])["results"]
 
 
-@pytest.fixture
-def qgis_process(tmp_path):
-    """Run qgis_process with this plugin, in a profile of its own."""
-    if not QGIS_PROCESS:
-        pytest.skip("no qgis_process on this machine")
-    (tmp_path / "plugins").mkdir()
-    (tmp_path / "plugins" / "isthmus").symlink_to(ROOT)
-    (tmp_path / "runtime").mkdir(mode=0o700)
-    environment = {
-        **os.environ,
-        "QGIS_PLUGINPATH": str(tmp_path / "plugins"),
-        "QGIS_CUSTOM_CONFIG_PATH": str(tmp_path / "profile"),
-        "XDG_RUNTIME_DIR": str(tmp_path / "runtime"),
-        "QT_QPA_PLATFORM": "offscreen",
-        "PYTHONPATH": str(Path(shapely.__file__).parents[1]),
-    }
-
-    def call(*arguments, fails=False):
-        done = subprocess.run(
-            [QGIS_PROCESS, *map(str, arguments)],
-            env=environment, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
-        )  # fmt: skip
-        assert (done.returncode != 0) == fails, done.stdout + done.stderr
-        return done.stdout + done.stderr * fails
-
-    assert "Enabled" in call("plugins", "enable", "isthmus")
-    return call
-
-
 def test_model(model, rooms, tmp_path):
     saved = QgsProcessingModelAlgorithm()
     assert saved.fromFile(str(model))
@@ -132,7 +96,7 @@ def test_model(model, rooms, tmp_path):
     assert results["CHILD_RESULTS"]["cut"]["CUT_COUNT"] == 2
 
 
-def test_command_line(qgis_process, model, rooms, tmp_path):
+def test_command_line(qgis_process, rooms, tmp_path):
     parts, cuts = tmp_path / "parts.gpkg", tmp_path / "cuts.shp"
     answer = qgis_process(
         "run", "--json", "isthmus:partition", "--",
@@ -144,13 +108,6 @@ def test_command_line(qgis_process, model, rooms, tmp_path):
     assert QgsVectorLayer(str(parts)).featureCount() == 3
     assert QgsVectorLayer(str(cuts)).featureCount() == 2
 
-    # the model, and a wrong parameter
-    out = tmp_path / "model.gpkg"
-    qgis_process(
-        "run", model, "--", f"polygons={rooms}", "detour=1000", f"cut:output={out}",
-        f"cut:cuts={tmp_path / 'c.gpkg'}",
-    )  # fmt: skip
-    assert QgsVectorLayer(str(out)).featureCount() == 1
     message = qgis_process(
         "run", "isthmus:partition", "--", f"INPUT={rooms}", "TAU=0.5", "OUTPUT=never.gpkg",
         fails=True,

@@ -294,16 +294,16 @@ def test_requirements_ask_for_the_same_wheels():
 
 def test_the_note_on_a_slow_engine(monkeypatch):
     """Only where shapely is not a choice; and only a package that can be installed is named."""
-    from isthmus.algorithms import dependencies
+    from isthmus.algorithms.partition import solving
 
     monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
     for name in ("triangle", "pythoncdt"):
         monkeypatch.setitem(sys.modules, name, None)
     for wheels, said in ((["pythoncdt", "triangle"], "pythoncdt is faster"), (["triangle"], "commercially"), ([], "slower.")):
-        monkeypatch.setattr(dependencies, "engines_with_wheels", lambda wheels=wheels: wheels)
-        assert said in dependencies.slow_engine_note()
+        monkeypatch.setattr(solving, "engines_with_wheels", lambda wheels=wheels: wheels)
+        assert said in solving.slow_engine_note()
     monkeypatch.setenv("ISTHMUS_ENGINE", "shapely")
-    assert dependencies.slow_engine_note() == ""
+    assert solving.slow_engine_note() == ""
 
 
 def test_an_old_shapely_is_told_apart(monkeypatch):

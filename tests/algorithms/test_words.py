@@ -33,8 +33,11 @@ def test_every_choice_takes_its_numbers_and_no_others(provider):
                 assert tool.with_names({name: k, "INPUT": 1}) == {name: option, "INPUT": 1}
                 assert tool.with_names({name: str(k)}) == {name: option}
             for wrong in (len(options), -1, "Nowhere", str(len(options))):
-                ok, _ = tool.checkParameterValues({name: wrong}, context)
+                ok, said = tool.checkParameterValues({name: wrong}, context)
                 assert not ok and tool.with_names({name: wrong}) == {name: wrong}
+                # which there are
+                assert said.startswith(f"{name} must be one of {', '.join(options)} (") and repr(wrong) in said
+            assert "must be one of" not in tool.checkParameterValues({name: None}, context)[1]
     assert seen >= 6
 
 
@@ -75,7 +78,7 @@ def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
     assert registry.providers() == before
 
 
-def test_german(tool, tmp_path, monkeypatch, qgis_app, provider):
+def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
     """The tools speak German where QGIS does; names, values and defaults stay."""
     from isthmus.algorithms import words
     from qgis.PyQt.QtCore import QCoreApplication
@@ -99,6 +102,15 @@ def test_german(tool, tmp_path, monkeypatch, qgis_app, provider):
         assert groups == {"Zerlegung", "Flächenaggregation", "Deformation"}
         for parameter in german.parameterDefinitions():  # the form is that wide
             assert len(parameter.description()) <= 52, parameter.description()
+        # and what the log tells of a run
+        source = layer("Polygon?crs=EPSG:3857", [(ROOMS, []), ("POLYGON((0 0,9 9,9 0,0 9,0 0))", [])])
+        given = {"INPUT": source, "SMALLEST_PART": 0, "OUTPUT": "memory:", "CUTS": "memory:"}
+        run("isthmus:partition", given, feedback)
+        assert feedback.infos[-2] == "Nicht zerlegt: 1 Objekt; siehe das Feld status der Teile."
+        assert any(text.startswith("4 Teile, durch 2 Schnitte von insgesamt 2 ") for text in feedback.infos)
+        assert feedback.warnings[0].startswith("Objekt 2 wurde nicht zerlegt: ")
+        said = "\n".join(feedback.infos[:-1])  # Processing itself ends with the results
+        assert not any(word in said for word in (" the ", " of ", " is ", " cut")), said
     finally:
         QCoreApplication.removeTranslator(translator)
     assert english.create().displayName() == "Partition polygons at bottlenecks"

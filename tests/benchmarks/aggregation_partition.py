@@ -1,6 +1,6 @@
 """The paper's experiment: the same annealing, the same steps, with and without partition.
 
-    python tests/benchmarks/aggregation_partition.py [--samples 9] [--seeds 2] [--steps 1000]
+    python tests/benchmarks/aggregation_partition.py [--samples 9] [--seeds 2] [--first 1] [--steps 1000]
         [--tau 2.5] [--natural 0.01] [--factors 1 0.25] [--whole 4000000] [--out build/aggregation]
 
 Writes partition.md. Samples are compact groups of about 325 areas; each run has ``steps`` a piece, the
@@ -68,6 +68,7 @@ def main():
     parser.add_argument("--samples", type=int, default=9)
     parser.add_argument("--areas", type=int, default=325)
     parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--first", type=int, default=1, help="the first seed")
     parser.add_argument("--steps", type=int, default=1000, help="steps a piece, in the samples")
     parser.add_argument("--tau", type=float, default=2.5)
     parser.add_argument("--natural", type=float, help="share of the smallest part")
@@ -100,7 +101,7 @@ def main():
             weights = {
                 "boundary": factor * WEIGHTS["boundary"], "centre": factor * WEIGHTS["centre"]
             }
-            for seed in range(1, options.seeds + 1):
+            for seed in range(options.first, options.first + options.seeds):
                 began = process_time()
                 percent, share = compare(
                     plain._replace(**weights), split._replace(**weights), owner, seed, steps

@@ -41,6 +41,17 @@ def lake(resolution, south, north):
     return shapely.Polygon(shore, inside)
 
 
+def lakes(resolution, least, most):
+    """Return the rings, in degrees, of all valid lakes with so many vertices."""
+    path = _find(resolution)
+    rings = [
+        _ring(path, offset, size)
+        for kind, _, count, *_, offset, size, _ in _meta(path)
+        if kind == "2" and least <= int(count) <= most
+    ]
+    return [ring for ring in rings if shapely.is_valid(shapely.Polygon(ring))]
+
+
 def installed(resolution):
     """Return whether the data are there."""
     return any((Path(p) / _name(resolution)).exists() for p in sys.path)

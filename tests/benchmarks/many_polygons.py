@@ -30,7 +30,8 @@ from measured import note  # noqa: E402
 
 ROWS = {
     "buildings": "100,000 buildings: <= 5 x fixgeometries",
-    "lakes": "50,000 lakes: <= 7 x fixgeometries",
+    "lakes": "50,000 made lakes, 110 vertices on average: <= 7 x fixgeometries",
+    "gshhg_lakes": "50,000 lakes, those of GSHHG with 20 to 200 vertices repeated: <= 7 x fixgeometries",
     "land_cover": "55,191 land-cover polygons: <= 10 x fixgeometries",
     "prepare": "prepareaggregation on them: <= 20 s",
     "lakes_length": "10,000 lakes, MinLength with gap 0: <= 4 x MinSize",
@@ -117,10 +118,11 @@ def measure(row):
     """Run one row in this process."""
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(folder)
-        if row in ("buildings", "lakes", "land_cover"):
+        if row in ("buildings", "lakes", "gshhg_lakes", "land_cover"):
             geometries, kind = {
                 "buildings": lambda: (from_rings(made.buildings(100_000)), "Polygon"),
                 "lakes": lambda: (from_rings(made.lakes(50_000)), "Polygon"),
+                "gshhg_lakes": lambda: (from_rings(real_lakes(50_000)), "Polygon"),
                 "land_cover": land_cover,
             }[row]()
             path = bench.layer(geometries, kind)
@@ -160,6 +162,20 @@ def measure(row):
         return {
             "seconds": seconds, "gb": memory(), "parts": results["PART_COUNT"], "cuts": results["CUT_COUNT"],
         }
+
+
+def real_lakes(count):
+    """Lakes of GSHHG in metres, each as often as it takes."""
+    import itertools
+
+    import gshhg
+
+    rings = []
+    for ring in gshhg.lakes("f", 20, 200):
+        x, y = np.radians(ring).T
+        rings.append(6_371_000.0 * np.column_stack((x * np.cos(y.mean()), y)))
+    for ring in itertools.islice(itertools.cycle(rings), count):
+        yield ring, [0, len(ring)]
 
 
 def land_cover():

@@ -272,55 +272,78 @@ def measured_necks():
         if gshhg.installed(letter):
             maps[f"GSHHG {letter}"] = lands(letter, 12)
     rows = {name: [name] for name in names["NECKS"]}
-    total = [], []
+    kinds = "of the page", "as typed"
+    total = {(kind, what): [] for what in ("coast", "ends") for kind in kinds}
     for label, shape in maps.items():
-        best = {name: (np.inf, 0.0) for name in names["NECKS"]}
+        best = {(name, kind): (np.inf, 0.0) for name in names["NECKS"] for kind in kinds}
         for one in shape:
             if ground(one).area > 3 * least:
                 ring = shapely.get_coordinates(one.exterior)[:-1]
                 cuts = ends_of_cuts(one, TAU, least / ground(one).area)
                 for name, ends in names["NECKS"].items():
-                    away, same = against_neck(ring, cuts, np.array(ends))
-                    best[name] = min(away, best[name][0]), max(same, best[name][1])
-        for name, (away, same) in best.items():
-            absent = name in canals and label != "QGIS's map"
-            rows[name].append("" if absent else f"{same:.2f}, {away:.0f} km")
-        real = [best[name] for name in best if name not in canals or label == "QGIS's map"]
-        total[0].append(f"{np.mean([same >= 0.75 for _, same in real]):.0%}")
-        NOTED.setdefault("necks", {})[label.replace(" ", "_").replace("'", "")] = round(
-            100 * np.mean([same >= 0.75 for _, same in real])
-        )
-        total[1].append(f"{np.mean([away <= 60.0 for away, _ in real]):.0%}")
+                    for kind, found in zip(kinds, against_neck(ring, cuts, np.array(ends))):
+                        away, same = best[name, kind]
+                        best[name, kind] = min(found[0], away), max(found[1], same)
+        real = [name for name in names["NECKS"] if name not in canals or label == "QGIS's map"]
+        for name in names["NECKS"]:
+            away, same = best[name, kinds[0]]
+            rows[name].append(f"{same:.2f}, {away:.0f} km" if name in real else "")
+        for kind in kinds:
+            total[kind, "coast"].append(np.mean([best[name, kind][1] >= 0.75 for name in real]))
+            total[kind, "ends"].append(np.mean([best[name, kind][0] <= 60.0 for name in real]))
+        key = label.replace(" ", "_").replace("'", "")
+        for noted, what in (("necks", "coast"), ("necks_ends", "ends")):
+            NOTED.setdefault(noted, {})[key] = round(100 * total[kinds[0], what][-1])
     print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
-          "coast in common with what the neck holds (of the coast that either has), and how far the ends of "
-          "the nearest cut lie from the place; to reach: 90 %")
+          "coast in common with what the neck of the page holds (of the coast that either has), and how far "
+          "the ends of the nearest cut lie from that neck's; to reach: 90 %. As typed: of the vertices next "
+          "to the places from which the page looks for the neck")
+    words = {"coast": "three quarters of the coast in common", "ends": "ends within 60 km"}
     table(("neck", *maps), [
-        *rows.values(), ["**three quarters of the coast in common**", *total[0]],
-        ["**ends within 60 km**", *total[1]],
+        *rows.values(),
+        *([f"**{words[what]}**, {kind}", *(f"{share:.0%}" for share in shares)]
+          for (kind, what), shares in total.items()),
     ])
 
 
 def against_neck(ring, cuts, ends):
-    """Distance of the nearest cut's ends from a neck's (km), and the largest share of coast in common."""
-    place = GLOBE.positions(ring)
-    a, b = GLOBE.positions(ends)
-    u, v = (int(np.argmin(np.linalg.norm(place - end, axis=1))) for end in (a, b))
-    if not len(cuts) or max(np.linalg.norm(place[u] - a), np.linalg.norm(place[v] - b)) > 60_000:
-        return np.inf, 0.0
+    """For the neck of docs/choosing_tau.md, and for the vertices next to where it is looked for: the
+    distance of the nearest cut's ends (km), and the largest share of coast in common."""
+    place, (a, b) = GLOBE.positions(ring), GLOBE.positions(ends)
+    far = [np.linalg.norm(place - end, axis=1) for end in (a, b)]
+    u, v = (int(np.argmin(distance)) for distance in far)
+    if not len(cuts) or max(far[0][u], far[1][v]) > 60_000:
+        return [(np.inf, 0.0)] * 2
     end = GLOBE.positions(cuts.reshape(-1, 2)).reshape(-1, 2, 3)
-    away = [
-        np.maximum(np.linalg.norm(end[:, k] - a, axis=1), np.linalg.norm(end[:, 1 - k] - b, axis=1))
-        for k in (0, 1)
-    ]
     step = np.linalg.norm(np.roll(place, -1, axis=0) - place, axis=1)
     row = {tuple(xy): k for k, xy in enumerate(ring.tolist())}
-    neck = interval(u, v, step)
-    best = 0.0
-    for cut in cuts.tolist():
-        held = interval(*(row[tuple(xy)] for xy in cut), step)
-        for other in (held, ~held):
-            best = max(best, step[neck & other].sum() / step[neck | other].sum())
-    return np.minimum(*away).min() / 1000.0, best
+    held = [interval(*(row[tuple(xy)] for xy in cut), step) for cut in cuts.tolist()]
+    held += [~one for one in held]
+
+    def nearest(u, v, ends):
+        off = np.linalg.norm(end[:, :, None] - ends, axis=3)  # cut, its end, end of the neck
+        away = np.minimum(np.maximum(off[:, 0, 0], off[:, 1, 1]), np.maximum(off[:, 0, 1], off[:, 1, 0]))
+        neck = interval(u, v, step)
+        same = max(step[neck & one].sum() / step[neck | one].sum() for one in held)
+        return away.min() / 1000.0, same
+
+    neck = neck_near(place, step, u, v, *(np.flatnonzero(distance < 60_000) for distance in far))
+    return nearest(*neck, place[list(neck)]), nearest(u, v, np.array((a, b)))
+
+
+def neck_near(place, step, u, v, near_u, near_v):
+    """The neck as tools/choosing_tau.py has it: of the chords between vertices near both ends that cut off
+    about as much coast as those next to them, the one with the largest detour."""
+    along = np.append(0.0, np.cumsum(step))
+    way = np.abs(along[near_u][:, None] - along[near_v])
+    way = np.minimum(way, along[-1] - way)
+    wanted = abs(along[u] - along[v])
+    wanted = min(wanted, along[-1] - wanted)
+    chord = np.linalg.norm(place[near_u][:, None] - place[near_v], axis=2)
+    same = (way >= wanted / 2) & (way <= wanted * 2) & (chord > 0.0)
+    detour = np.where(same, way, 0.0) / np.maximum(chord, 1.0)
+    i, j = np.unravel_index(np.argmax(detour), detour.shape)
+    return int(near_u[i]), int(near_v[j])
 
 
 def interval(u, v, step):
@@ -348,31 +371,57 @@ def measured_basins():
     for name in ("baltic", "michigan_huron", "persian_oman"):
         sea, truth = read(f"{name}_input")[0], [shapely.make_valid(one) for one in read(f"{name}_truth")]
         told = shapes.from_shapely(sea)
-        for tau in (TAU, 4.0):
-            prepared = solve.prepare(
-                one_polygon(*told), natural=True, smallest=SMALLEST * ground(sea).area, measure=GLOBE
-            )
-            result = solve.finish(prepared, solve.select(prepared, tau))
-            parts = [
+        prepared = solve.prepare(
+            one_polygon(*told), natural=True, smallest=SMALLEST * ground(sea).area, measure=GLOBE
+        )
+
+        def polygons(selection):
+            return [
                 shapely.Polygon(told.coords[part[0], :2], [told.coords[hole, :2] for hole in part[1:]])
-                for part in result.parts.rings
+                for part in solve.finish(prepared, selection).parts.rings
             ]
+
+        for tau in (TAU, 4.0):
+            selection = solve.select(prepared, tau)
+            parts = polygons(selection)
+            found, joined = rand_indices(parts, truth)
             if tau == TAU:
-                NOTED[f"agreement_{name}"] = round(rand_index(parts, truth), 2)
-            rows.append((name, len(truth), tau, len(parts), np.count_nonzero(result.role == 0),
-                         f"{rand_index(parts, truth):.2f}"))
+                NOTED[f"agreement_{name}"] = round(found, 2)
+                NOTED[f"joined_{name}"] = round(joined, 2)
+            rows.append((name, len(truth), tau, len(parts), len(selection.selected),
+                         f"{found:.2f}", f"{joined:.2f}"))
+        # the hierarchy's level with as many parts as there are names
+        selection = solve.select(prepared, 1.0)
+        nested = hierarchy(prepared, selection)
+        for rank in range(len(nested.cut) + 1):
+            level = selection._replace(selected=nested.cut[nested.rank <= rank])
+            parts = polygons(level)
+            if len(parts) == len(truth):
+                found, joined = rand_indices(parts, truth)
+                NOTED[f"level_{name}"] = round(found, 2)
+                rows.append((name, len(truth), f"{len(truth)} parts", len(parts), rank,
+                             f"{found:.2f}", f"{joined:.2f}"))
+                break
     print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
-    table(("water", "names", "tau", "parts", "cuts", "ARI"), rows)
+    table(("water", "names", "tau", "parts", "cuts", "ARI", "ARI, parts of one name joined"), rows)
 
 
-def rand_index(parts, truth):
-    """Adjusted Rand index by area: two places are together or apart."""
+def rand_indices(parts, truth):
+    """Adjusted Rand index by area: two places are together or apart. The second when parts that lie mostly in
+    the same named water are one, so that cuts which no name asks for do not count.
+    """
     parts, truth = ground(np.array(parts)), ground(np.array(truth))
     both = shapely.area(shapely.intersection(parts[:, None], truth[None]))
     both /= both.sum()
-    together = (both**2).sum()
-    one, other = (both.sum(axis=1) ** 2).sum(), (both.sum(axis=0) ** 2).sum()
-    return (together - one * other) / ((one + other) / 2 - one * other)
+    joined = np.zeros((len(truth), len(truth)))
+    np.add.at(joined, both.argmax(axis=1), both)
+
+    def index(both):
+        together = (both**2).sum()
+        one, other = (both.sum(axis=1) ** 2).sum(), (both.sum(axis=0) ** 2).sum()
+        return (together - one * other) / ((one + other) / 2 - one * other)
+
+    return index(both), index(joined)
 
 
 # ------------------------------------------------------------------------------------ levels and time

@@ -41,6 +41,8 @@ COLUMNS = {
     "rest": "of it all but the engine",
     "tool": "isthmus:partition, layer to layer",
     "geopackage": "the same, GeoPackage to GeoPackage",
+    "new_vertices": "the same with new vertices",
+    "natural": "default parameters, degrees where it is a coast",
     "subdivide": "native:subdivide",
     "opening": "buffer opening",
 }
@@ -167,7 +169,9 @@ def measure_in_qgis(column, ring):
     geometry.fromWkb(struct.pack("<BIII", 1, 3, 1, len(closed)) + closed.tobytes())
     feature = QgsFeature()
     feature.setGeometry(geometry)
-    layer = QgsVectorLayer("Polygon?crs=EPSG:3857", "layer", "memory")
+    # a coast as it comes; the other columns compare with Triangle, which knows no ellipsoid
+    degrees = column == "natural" and np.abs(ring[:, 1]).max() <= 90.0
+    layer = QgsVectorLayer(f"Polygon?crs=EPSG:{4326 if degrees else 3857}", "layer", "memory")
     layer.dataProvider().addFeature(feature)
     with tempfile.TemporaryDirectory() as folder:
         parameters = {"INPUT": layer, "OUTPUT": "memory:"}
@@ -182,6 +186,10 @@ def measure_in_qgis(column, ring):
             tool, more = "native:subdivide", {"MAX_NODES": 256}
         else:
             tool, more = "isthmus:partition", {"TAU": TAU, "PLACES": "Any", "SMALLEST_PART": 0}
+            if column == "natural":
+                more = {}
+            if column == "new_vertices":
+                more["NEW_VERTICES"] = True
             parameters.setdefault("CUTS", "memory:")
         seconds, results = timed(
             lambda: processing.run(tool, {**parameters, **more}, feedback=QgsProcessingFeedback())

@@ -29,7 +29,7 @@ from qgis.core import (  # noqa: E402
     QgsVectorLayer,
 )
 
-from isthmus.algorithms.layers.wkb import LONG, REAL, TEXT, field  # noqa: E402
+from isthmus.algorithms.layers.fields import LONG, REAL, TEXT, field  # noqa: E402
 from isthmus.algorithms.aggregation.aggregate import AggregateAlgorithm  # noqa: E402
 from isthmus.algorithms.focus.focus_map import FocusMapAlgorithm  # noqa: E402
 from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402

@@ -22,7 +22,7 @@ def test_hostile_layers(tools, seed):
 
     @hypothesis.seed(seed)
     @hypothesis.settings(
-        max_examples=90, deadline=None, database=None, print_blob=False,
+        max_examples=60, deadline=None, database=None, print_blob=False,
         suppress_health_check=list(hypothesis.HealthCheck),
     )  # fmt: skip
     @hypothesis.given(case=cases.cases(largest=40))

@@ -92,11 +92,12 @@ def test_a_long_command_shows_that_it_lives(tmp_path):
     script = functions + """
 work() {
     echo "0 upgraded, 3 newly installed, 0 to remove."; echo "Get:1 a"; sleep 1.5; echo "Get:2 b"
-    echo "Unpacking a ..."; sleep 1.5; echo "Setting up a ..."; sleep 1.5; return $1
+    echo "Unpacking a ..."; sleep 1.5; echo "Setting up a ..."; sleep 1.5
 }
 ISTHMUS_TICK=1
-: >"$1"; watched "$1" QGIS work 0 && echo done
-watched "$1" QGIS work 3 || echo failed $?
+: >"$1"; watched "$1" QGIS work && echo done
+broken() { return 3; }
+watched "$1" QGIS broken || echo failed $?
 """
     (tmp_path / "run").write_text(script)
     done = subprocess.run(

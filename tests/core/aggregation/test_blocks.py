@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from isthmus.core.aggregation.annealing import annealing
-from isthmus.core.aggregation.blocks import _balanced, best_of_both, block_of_areas
+from isthmus.core.aggregation.blocks import best_of_both, block_of_areas, cheapest_choice
 from isthmus.core.aggregation.greedy import greedy, helpless
 from isthmus.core.aggregation.instance import Solution, costs, problems
 
@@ -87,11 +87,50 @@ def test_a_wanted_number_of_regions_stays(seed):
     assert costs(problem, found).total <= min(alone, default=np.inf) + 1e-9
 
 
-def test_blocks_with_more_and_fewer_regions_go_in_pairs():
-    gain, more = np.array([5.0, -2.0, 1.0, 9.0, 4.0]), np.array([1, -1, -1, 2, 0])
-    found = _balanced(gain, more)
-    assert (found > 0).tolist() == [True, False, True, False, True]
-    assert (_balanced(np.array([5.0, -6.0]), np.array([1, -1])) > 0).tolist() == [False, False]
+@pytest.mark.parametrize("seed", range(40))
+def test_the_cheapest_choice_of_all_that_reach_a_number(seed):
+    rng = np.random.default_rng(seed)
+    number = int(rng.integers(0, 11))
+    gain, more = rng.normal(size=number), rng.integers(-4, 5, number)
+    gain[rng.random(number) < 0.2] = 0.0
+    wanted = int(rng.integers(-6, 7))
+    choices = np.array(list(product([False, True], repeat=number))).reshape(2**number, number)
+    away = np.abs(choices @ more - wanted)
+    nearest = choices[away == away.min()]
+    found = cheapest_choice(gain, more, wanted)
+    assert abs(found @ more - wanted) == away.min()
+    assert found @ gain == pytest.approx(max(nearest @ gain))
+    assert not (found & (gain == 0.0) & (more == 0)).any()
+
+
+def test_a_choice_of_many_blocks_stays_near_the_number():
+    rng = np.random.default_rng(1)
+    gain, more = rng.random(4000), np.repeat([3, -3], 2000)
+    assert cheapest_choice(gain, more, 0).all()
+    assert cheapest_choice(gain, more, 2) @ more == 3
+    assert cheapest_choice(gain, np.ones(4000, dtype=int), 1500).sum() == 1500
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_choice_of_versions_with_as_many_regions_is_cheaper(seed):
+    problem, one, other = two_solutions(seed)
+    block = block_of_areas(one, other)
+    number = block.max() + 1
+    more = np.bincount(block[other.core], minlength=number) - np.bincount(block[one.core], minlength=number)
+    differ = [
+        b for b in range(number) if (one.core[one.region] != other.core[other.region])[block == b].any()
+    ]
+    if len(differ) > 10:
+        pytest.skip("too many blocks to try all choices")
+    for wanted in sorted({len(one.core), len(other.core), len(one.core) + 1}):
+        best = (np.inf, np.inf)
+        for choice in map(np.flatnonzero, product([False, True], repeat=len(differ))):
+            blocks = np.array(differ, dtype=int)[list(choice)]
+            total = costs(problem, mixed(one, other, np.isin(block, blocks))).total
+            best = min(best, (abs(len(one.core) + int(more[blocks].sum()) - wanted), total))
+        found = best_of_both(problem, one, other, wanted)
+        assert abs(len(found.core) - wanted) == best[0]
+        assert costs(problem, found).total == pytest.approx(best[1])
 
 
 def test_equal_solutions_stay():

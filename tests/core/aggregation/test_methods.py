@@ -199,7 +199,7 @@ def test_the_regions_stay_true(by_class, count):
     regions = Regions(problem, greedy(problem))
     before = regions.region.copy()
     rng = np.random.default_rng(7)
-    _cool(regions, rng, _Effort(30_000, None), Schedule(), count, lambda share: None)
+    _cool(regions, rng, _Effort(30_000, None), Schedule(), count, 0.0, lambda share: None)
     assert (regions.region != before).sum() > 30
     check_invariants(regions)
 

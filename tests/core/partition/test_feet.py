@@ -8,8 +8,8 @@ from isthmus.core import metric
 from isthmus.core.partition import solve as road
 from isthmus.core.partition.feet import along_edges, places, with_feet
 from isthmus.core.partition.min_size import SELF
-from isthmus.core.partition.polygon import from_rings
-from isthmus.core.partition.triangulation import triangulate
+from isthmus.core.partition.polygon import from_rings, without_rings
+from isthmus.core.partition.triangulation import sides_of, triangulate
 from isthmus.core.rings import one_polygon
 
 from .. import checker, shapes, stages
@@ -132,8 +132,8 @@ def test_feet_are_feet(k):
     s = POOL[k]
     rings = one_polygon(s.coords, s.offsets)
     polygons, _ = from_rings(rings)
-    more, coords = with_feet(polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool),
-                             np.zeros(1), measure=metric.planar())
+    more, coords, (known, _) = with_feet(polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool),
+                                         np.zeros(1), measure=metric.planar())
     corner = np.flatnonzero(more.rows[more.row_start[:-1]] >= len(s.coords))
     assert len(corner) == len(coords)
     real = ~polygons.inserted
@@ -152,7 +152,25 @@ def test_feet_are_feet(k):
         sees = shapely.covers(room, shapely.linestrings([[v, foot] for v in concave]))
         assert (upright & sees).any()
     triangles, _ = triangulate(more)
-    assert not len(places(more, triangles, more.xy, metric.planar()).edge)
+    assert np.array_equal(known, triangles)
+    assert not len(places(more, sides_of(more, triangles), more.xy, metric.planar()).edge)
+
+
+def test_the_triangulation_of_the_last_rounds_is_that_of_the_result():
+    """Of many polygons, of which some need more rounds than others, and without the small holes."""
+    rings = stages.together([(s.coords, s.offsets) for s in POOL])
+    polygons, _ = from_rings(rings)
+    alone = np.bincount(polygons.vertex)[polygons.vertex] == 1
+    whole = np.bincount(polygons.ring_of_corner, weights=~alone) == 0
+    free = whole & (np.arange(len(whole)) % 2 == 1)
+    free[polygons.polygon_offsets[:-1]] = False
+    assert free.any()
+    more, coords, (known, problem) = with_feet(
+        polygons, rings, free, np.zeros(len(polygons.unit)), measure=metric.planar()
+    )
+    assert len(coords)
+    triangles, verdict = triangulate(without_rings(more, free)[0])
+    assert np.array_equal(known, triangles) and (problem == verdict).all()
 
 
 @pytest.mark.parametrize("count", [1, 2, 9, 40])
@@ -238,7 +256,7 @@ def test_a_foot_beside_a_touching_hole():
 
 def test_edges_along_an_edge():
     rings = one_polygon(NECK.coords, NECK.offsets)
-    polygons, _ = with_feet(from_rings(rings)[0], rings, EVERY, np.zeros(1), measure=metric.planar())
+    polygons, _, _ = with_feet(from_rings(rings)[0], rings, EVERY, np.zeros(1), measure=metric.planar())
     pairs = np.array([(u, v) for u in range(8) for v in range(8) if u != v])
     along = {frozenset(pair) for pair in pairs[along_edges(polygons, pairs)].tolist()}
     neighbours = {frozenset((k, (k + 1) % 8)) for k in range(8)}

@@ -108,9 +108,9 @@ def test_any_candidates_against_all_subsets(seed, settings):
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_any_root_edge_and_any_trimming_give_the_same(seed, settings):
-    prepared = stages.prepared(shapes.tour(200 + seed, 60))
+    prepared = stages.prepared(shapes.tour(200 + seed, 50))
     for kind in ("length", "tied"):
         weight = weights_of(kind, prepared, seed)
         for tau in (1.5, 3.0, 8.0):
@@ -130,9 +130,7 @@ def outline():
     return xy, np.array([0, len(xy)])
 
 
-@pytest.mark.parametrize(
-    "tau, length", [(2, 9119.6047), (4, 2573.6491), (6, 1380.0469), (10, 592.1236)]
-)
+@pytest.mark.parametrize("tau, length", [(2, 9119.6047), (4, 2573.6491), (10, 592.1236)])
 def test_western_europe_proven_optimal(tau, length):
     prepared = stages.prepared(outline())
     solution = select(prepared, tau, weight=prepared.length, max_gap=0.0)

@@ -117,6 +117,25 @@ def test_each_diagonal_has_one_verdict_that_holds(shape):
         assert (np.isnan(found.share) == (ring[:, 0] != ring[:, 1])).all()
 
 
+@pytest.mark.parametrize("seed", [0, 1, 7, 8])
+def test_what_is_used_up_was_used_by_shorter_cuts_or_by_sharper_ones_about_as_short(seed):
+    prepared, found, _, edges = natural(shapes.tour(seed, 150), 0.001)
+    polygon = prepared.polygons
+    corner = np.argsort(polygon.vertex)[edges]
+    length = np.linalg.norm(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]], axis=1)
+    bend = stage.bends(found.outline, polygon.ring_of_corner, corner, length).sum(axis=1)
+    with np.errstate(invalid="ignore"):
+        turn = length / np.sqrt(bend)
+    cut = np.flatnonzero(found.kept)
+    used = np.flatnonzero(found.why == USED)
+    assert len(used)
+    along, perimeter = found.outline.along[corner], found.outline.perimeter[0]
+    for k in used:  # some cut before it ends where its bends are measured
+        apart = np.abs(along[cut][:, :, None] - along[k])
+        apart = np.minimum(apart, perimeter - apart).min(axis=(1, 2))
+        assert (turn[cut[apart <= stage.REACH * length[k]]] <= turn[k]).any()
+
+
 @pytest.mark.parametrize("shape", RANDOM)
 def test_sides_against_shapely(shape):
     prepared, found, _, edges = natural(shape, 0.01)

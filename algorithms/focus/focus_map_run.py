@@ -1,0 +1,363 @@
+"""What ``isthmus:focusmap`` runs."""
+
+import contextlib
+import math
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from qgis.core import (
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsFeatureRequest,
+    QgsFeatureSink,
+    QgsFields,
+    QgsGeometry,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingUtils,
+    QgsVectorFileWriter,
+    QgsVectorLayer,
+    QgsWkbTypes,
+)
+
+from ...core.errors import Cancelled, IsthmusError
+from ...core.focus.carrying import Carrier
+from ...core.focus.enlarge import enlarge
+from ...core.focus.globe import on_the_globe
+from ...core.focus.graph import match
+from ...core.focus.selection import rule_of
+from ...core.metric import FARTHEST
+from ..layers import wkb
+from ..layers.fields import make_fields
+from ..layers.sinks import Sinks
+from ..layers.source import WITHOUT_VALIDITY_CHECK
+from ..layers.styles import style_on_load
+from ..partition.cutting import NATURAL
+from ..words import tr
+from .focus_map import EDGE_FIELDS
+
+
+def _rule(tool, parameters, context):
+    """The rule for relevant edges, as `selection.select` takes it."""
+    return rule_of(
+        tool.parameterAsEnumString(parameters, tool.SELECTION, context),
+        tool.parameterAsEnumString(parameters, tool.PLACES, context) == NATURAL,
+        tool.parameterAsDouble(parameters, tool.SMALLEST_PART, context) / 100.0,
+    )
+
+
+def run(tool, parameters, context, feedback):
+    """Run `isthmus:focusmap`; return its results."""
+    source = tool.parameterAsSource(parameters, tool.INPUT, context)
+    focus_source = tool.parameterAsSource(parameters, tool.FOCUS, context)
+    for name, value in ((tool.INPUT, source), (tool.FOCUS, focus_source)):
+        if value is None:
+            raise QgsProcessingException(tool.invalidSourceError(parameters, name))
+    begun = time.monotonic()
+    given = _read(source, feedback)
+    result = given and _solve(tool, parameters, context, feedback, given, focus_source, source.sourceCrs())
+    if not result:  # cancelled
+        return {}
+    _tell(feedback, result)
+    crs = source.sourceCrs()
+    with Sinks(tool, parameters, context, feedback) as sinks:
+        _write(tool, sinks, source, given, result)
+        _write_edges(tool, sinks, crs, result)
+        answer = _carry(tool, parameters, context, crs, result, feedback)
+        feedback.setProgress(100)
+    answer.update(sinks.destinations)
+    style_on_load(context, answer.get(tool.OUTPUT), None, 2)
+    style_on_load(context, answer.get(tool.EDGES_USED), "cuts.qml", 0)
+    answer.update({
+        tool.SCALE_REACHED: result.scale,
+        tool.FLIPPED_AREA: 100.0 * result.distortion.flipped,
+        tool.MEDIAN_DISTORTION: result.distortion.median,
+        tool.HIGH_DISTORTION: result.distortion.high,
+        tool.CROSSINGS: 0,  # no triangle is turned
+        tool.EDGE_COUNT: len(result.edges),
+        tool.SECONDS: time.monotonic() - begun,
+        tool.PROBLEM: "",  # or there is no map at all
+    })
+    return answer
+
+
+class _Map(NamedTuple):
+    """The features of the map, the points of each, and all of them as `enlarge` takes them."""
+
+    features: list
+    runs: list
+    rows: np.ndarray
+    starts: np.ndarray
+    polygons: list
+
+
+def _read(source, feedback):
+    """The map; None if cancelled."""
+    held, runs = [], []
+    for feature in source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK):
+        if feedback.isCanceled():
+            return None
+        held.append(feature)
+        runs.append(wkb.Runs(feature.geometry()))
+    wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
+    for k in wrong:
+        runs[k] = wkb.Runs(QgsGeometry())  # as if it had none
+    if wrong:
+        ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
+        feedback.pushWarning(tr(
+            "Left where they are, since coordinates are not finite (NaN or infinity) or larger than {:g}: "
+            "feature {}."
+        ).format(FARTHEST, ids))
+    counts = [count for one in runs for count in one.counts]
+    if not counts:
+        raise QgsProcessingException("The map has no features with a geometry that can be moved.")
+    polygons, first = [], 0
+    for one in runs:
+        polygons += [[first + ring for ring in rings] for rings in one.polygons]
+        first += len(one.counts)
+    rows = np.concatenate([one.xy for one in runs])
+    return _Map(held, runs, rows, np.append(0, np.cumsum(counts)), polygons)
+
+
+def _solve(tool, parameters, context, feedback, given, focus_source, crs):
+    """The focus map; None if cancelled."""
+    focus = _focus(focus_source, crs, context)
+    edges = _given(tool, parameters, context, crs, given.rows, feedback)
+    feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
+    growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
+    if crs.isGeographic():
+        growth, aspect = on_the_globe(given.rows, growth)
+        feedback.pushInfo(tr(
+            "The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true "
+            "lengths at latitude {:.1f}, and the result is in degrees."
+        ).format(crs.authid(), math.degrees(math.acos(aspect))))
+    try:
+        result = enlarge(
+            given.rows, given.starts, given.polygons, focus,
+            tool.parameterAsDouble(parameters, tool.SCALE, context),
+            edges=edges,
+            rule=_rule(tool, parameters, context),
+            tau=tool.parameterAsDouble(parameters, tool.TAU, context),
+            frame=tool.parameterAsBoolean(parameters, tool.FRAME, context),
+            growth=growth,
+            aspect=aspect,
+            progress=lambda share: feedback.setProgress(95.0 * share),
+            cancelled=feedback.isCanceled,
+        )  # fmt: skip
+    except Cancelled:
+        return None
+    except IsthmusError as problem:
+        message = str(problem).rstrip(".")
+        end = "" if message.endswith("?") else "."
+        raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
+    if crs.isGeographic() and not (np.abs(result.rows) <= (180.0, 90.0)).all():
+        raise QgsProcessingException(
+            "The map would grow beyond the globe. Keep its extent (switch the frame on)."
+        )
+    return result
+
+
+def _tell(feedback, result):
+    """Say in the log what came out."""
+    for reason in result.skipped[:20]:
+        feedback.pushWarning(tr("No relevant edges for {}.").format(reason))
+    if len(result.skipped) > 20:
+        feedback.pushWarning(tr("... and for {} more.").format(len(result.skipped) - 20))
+    width, height = (100.0 * (result.growth - 1.0)).tolist()
+    feedback.pushInfo(tr("The map becomes {:.0f} % wider and {:.0f} % higher.").format(width, height))
+    if len(result.splits):
+        feedback.pushInfo(tr(
+            "{} points were put into lines where others meet or cross them."
+        ).format(len(result.splits)))
+
+
+def _focus(source, crs, context):
+    """The region in focus, in the CRS of the map."""
+    found = []
+    for geometry in _geometries(source, crs, context):
+        data = bytes(_straight(geometry).asWkb())
+        # a ring of two points is no region
+        found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
+    found = [
+        one for one in found
+        if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
+    ]
+    if not found:
+        raise QgsProcessingException(
+            "The layer of the region to enlarge has no polygons whose coordinates are finite."
+        )
+    return shapely.union_all(shapely.make_valid(found))
+
+
+def _given(tool, parameters, context, crs, rows, feedback):
+    """The rows at the ends of relevant edges that were given, or None."""
+    source = tool.parameterAsSource(parameters, tool.EDGES, context)
+    if source is None:
+        return None
+    ends = [np.empty((0, 2, 2))]
+    for geometry in _geometries(source, crs, context):
+        one, start = wkb.Runs(geometry), 0
+        for count in one.counts:
+            line = one.xy[start:start + count]
+            line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
+            ends.append(np.stack((line[:-1], line[1:]), axis=1))
+            start += count
+    ends = np.concatenate(ends)
+    found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
+    good = (found >= 0).all(axis=1)
+    if not good.all():
+        feedback.pushWarning(tr(
+            "{} of {} relevant edges were left out: an end is not a point of the map."
+        ).format(np.count_nonzero(~good), len(good)))
+    return found[good]
+
+
+def _write(tool, sinks, source, given, result):
+    kind = QgsWkbTypes.linearType(source.wkbType())
+    sinks.open(tool.OUTPUT, source.fields(), kind, source.sourceCrs())
+    start = 0
+    row, vertex, share = result.splits.T
+    for feature, one in zip(given.features, given.runs):
+        count = sum(one.counts)
+        lo, hi = row.searchsorted((start, start + count))
+        splits = zip(
+            (row[lo:hi].astype(int) - start).tolist(),
+            result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
+        )
+        geometry = feature.geometry()
+        if count:
+            geometry = one.moved(result.rows[start:start + count], list(splits))
+        start += count
+        sinks.add(tool.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
+
+
+def _write_edges(tool, sinks, crs, result):
+    fields, kind = make_fields(EDGE_FIELDS), QgsWkbTypes.Type.LineString
+    if not sinks.open(tool.EDGES_USED, fields, kind, crs, False):
+        return
+    before, after = (
+        np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
+        for xy in (result.points, result.moved)
+    )
+    lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
+    for line, kind, length, longer in zip(
+        lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
+    ):
+        sinks.add(tool.EDGES_USED, line, [kind, length, longer])
+
+
+def _carry(tool, parameters, context, crs, result, feedback):
+    layers = tool.parameterAsLayerList(parameters, tool.ALONG, context)
+    if not layers:
+        return {tool.CARRIED_LAYERS: []}
+    carrier = Carrier(result.points, result.moved, result.triangles)
+    path = tool.parameterAsFileOutput(parameters, tool.CARRIED, context)
+    path = path or QgsProcessingUtils.generateTempFilename("carried.gpkg")
+    written, names = [], []
+    try:
+        for layer in layers:
+            if feedback.isCanceled():
+                break
+            name = layer.name() or "layer"
+            while name.lower() in names:  # to a GeoPackage, Roads and roads are one name
+                name += "_2"
+            names.append(name.lower())
+            whole = QgsVectorFileWriter.ActionOnExistingFile
+            action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
+            written.append(
+                _carry_layer(layer, name, path, action, crs, carrier, context, feedback)
+            )
+    except QgsProcessingException:
+        _discard(path)
+        raise
+    if feedback.isCanceled():
+        _discard(path)
+        return {tool.CARRIED_LAYERS: []}
+    return {tool.CARRIED: path, tool.CARRIED_LAYERS: written}
+
+
+def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
+    options = QgsVectorFileWriter.SaveVectorOptions()
+    options.driverName, options.layerName = "GPKG", name
+    options.actionOnExistingFile = action
+    kind = QgsWkbTypes.linearType(layer.wkbType())
+    fields = QgsFields(layer.fields())
+    writer = QgsVectorFileWriter.create(
+        path, fields, kind, crs, context.transformContext(), options,
+        QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+    )  # fmt: skip
+    if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
+        raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
+    transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
+    count, lost = 0, []
+    for feature in layer.getFeatures():
+        count += 1
+        geometry = feature.geometry()
+        if not geometry.isNull():
+            try:
+                geometry.transform(transform)
+                one = wkb.Runs(geometry)
+                placed = np.isfinite(one.xy).all()
+            except QgsCsException:
+                placed = False
+            if not placed:
+                feature.clearGeometry()
+                lost.append(feature.id())
+            elif one.counts:
+                feature.setGeometry(one.moved(carrier(one.xy)))
+        if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+            raise QgsProcessingException(
+                f"A feature of {name} could not be written: {writer.errorMessage()}"
+            )
+    del writer
+    if lost:
+        feedback.pushWarning(tr(
+            "{}: features {}{} have no place in the CRS of the map, and are carried without a geometry."
+        ).format(name, ", ".join(map(str, lost[:10])), " ..." * (len(lost) > 10)))
+    address = f"{path}|layername={name}"
+    # what a full disk swallows, the writer may tell nobody
+    if QgsVectorLayer(address, name, "ogr").featureCount() != count:
+        raise QgsProcessingException(
+            f"{name} could not be written to {path} as a whole. Is the disk full?"
+        )
+    details = QgsProcessingContext.LayerDetails(name, context.project(), name)
+    if context.project() is not None:
+        carried = QgsVectorLayer(address, name, "ogr")
+        context.temporaryLayerStore().addMapLayer(carried)
+        context.addLayerToLoadOnCompletion(carried.id(), details)
+    return address
+
+
+def _discard(path):
+    """Remove what is half written: it would look complete."""
+    for end in ("", "-journal", "-wal", "-shm"):
+        with contextlib.suppress(OSError):
+            Path(path + end).unlink()
+
+
+def _geometries(source, crs, context):
+    """The geometries of a source in another CRS, none empty."""
+    transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
+    request = QgsFeatureRequest().setSubsetOfAttributes([])
+    for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
+        geometry = feature.geometry()
+        if geometry.isNull() or geometry.isEmpty():
+            continue
+        if transform.isValid() and not transform.isShortCircuited():
+            try:
+                geometry.transform(transform)
+            except QgsCsException:
+                raise QgsProcessingException(
+                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
+                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
+                ) from None
+        yield geometry
+
+
+def _straight(geometry):
+    abstract = geometry.constGet()
+    curved = QgsWkbTypes.isCurvedType(abstract.wkbType())
+    return abstract.segmentize() if curved else abstract

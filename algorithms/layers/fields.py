@@ -1,0 +1,21 @@
+"""New fields of results: what tools declare, and what they write."""
+
+from qgis.core import Qgis, QgsField, QgsFields
+from qgis.PyQt.QtCore import QMetaType, QVariant
+
+INTEGER, LONG, REAL, TEXT = "Int", "LongLong", "Double", "QString"
+
+
+def field(name, kind):
+    """Return a new field; kind is INTEGER, LONG, REAL or TEXT."""
+    if Qgis.QGIS_VERSION_INT >= 33800:
+        return QgsField(name, getattr(QMetaType.Type, kind))
+    return QgsField(name, getattr(QVariant, "String" if kind == TEXT else kind))
+
+
+def make_fields(definition):
+    """Return fields of (name, kind) pairs; kinds as in `field`."""
+    fields = QgsFields()
+    for name, kind in definition:
+        fields.append(field(name, kind))
+    return fields
