@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from .mesh import flatness, heights
+
 __all__ = ["Carrier"]
 
 AT_ONCE = 200_000  # triangles that are shapely's at a time
@@ -34,7 +36,12 @@ class Carrier:
     """
 
     def __init__(self, points: np.ndarray, moved: np.ndarray, triangles: np.ndarray) -> None:
-        self._points, self._shift, self._triangles = points, moved - points, triangles
+        self._points, self._shift = points, moved - points
+        self._flat = flatness(points)
+        # of triangles that meet in a point the largest tells most exactly where it goes, a flat one nothing
+        a, b, c = points[triangles].transpose(1, 0, 2)
+        order = np.argsort(_cross(b - a, c - a), kind="stable")
+        self._triangles = triangles[order[heights(points, triangles[order]) > self._flat]]
         self._low, self._high = points.min(axis=0), points.max(axis=0)
 
     def __call__(self, xy: np.ndarray) -> np.ndarray:
@@ -58,12 +65,9 @@ class Carrier:
         return result
 
     def _shift_at(self, xy):
-        tree = shapely.STRtree(shapely.points(xy))
-        found = np.full(len(xy), -1)
-        for start in range(0, len(self._triangles), AT_ONCE):
-            corners = self._points[self._triangles[start:start + AT_ONCE]]
-            one, other = tree.query(shapely.polygons(corners), predicate="intersects")
-            found[other] = start + one
+        found = self._found(xy)
+        lost = np.flatnonzero(found < 0)  # in a gap of rounding, or a flat triangle
+        found[lost] = self._found(xy[lost], 10.0 * self._flat)
         corner = self._triangles[found]
         a, b, c = self._points[corner].transpose(1, 0, 2)
         whole = _cross(b - a, c - a)
@@ -73,6 +77,20 @@ class Carrier:
         shift = np.einsum("ij,ijk->ik", weight, self._shift[corner])
         shift[found < 0] = 0.0
         return shift
+
+
+    def _found(self, xy, near=None):
+        """The largest triangle at each point, or near it, -1 for none."""
+        found = np.full(len(xy), -1)
+        if not len(xy):
+            return found
+        tree = shapely.STRtree(shapely.points(xy))
+        how = {"predicate": "intersects"} if near is None else {"predicate": "dwithin", "distance": near}
+        for start in range(0, len(self._triangles), AT_ONCE):
+            corners = self._points[self._triangles[start:start + AT_ONCE]]
+            one, other = tree.query(shapely.polygons(corners), **how)
+            np.maximum.at(found, other, start + one)
+        return found
 
 
 def _cross(p, q):

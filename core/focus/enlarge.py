@@ -180,6 +180,7 @@ def enlarge(
     land = _land(local(rows), starts, polygons)
     mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
     xy, group = mesh.xy, mesh.group
+    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy):]))
     skipped = []
     if scale == 1.0:
         shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
@@ -210,14 +211,14 @@ def enlarge(
                 middle = xy[own].mean(axis=0)
                 shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
             shift = reinsert(coarse, xy, shift, mesh.rigid, check)
-            bad = turned(xy, xy + shift, mesh.triangles)
+            bad = turned(points, points + unit * shift, mesh.triangles)  # where they will be, rounded
             doubtful = turned(xy, xy + shift, spare)
             if not bad.any() and (not doubtful.any() or attempt == ATTEMPTS - 1):
                 break
             needed[mesh.triangles[bad]] = True
             needed[spare[doubtful]] = True
         else:
-            x, y = graph.xy[mesh.triangles[bad].min()]
+            x, y = points[mesh.triangles[bad].min()]
             raise Unsolvable(
                 f"lines of the map are too close to each other to be moved without a fold, near ({x:g} "
                 f"{y:g})"
@@ -225,7 +226,6 @@ def enlarge(
     check = stage(0.95, 1.0)
     if not np.isfinite(unit * shift).all():
         raise Unsolvable("the map could not be solved: some positions are not finite numbers")
-    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy):]))
     moved = unit * shift  # what does not move does not change a bit
     inside = _covered(mesh, noded, land, check)
     check(1.0)

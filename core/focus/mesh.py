@@ -16,7 +16,7 @@ from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
-__all__ = ["Noded", "frame_triangles", "heights", "node", "others", "turned"]
+__all__ = ["Noded", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
 
 SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
 FLAT = 1e-11  # height of a triangle that lies between points on one line, but for rounding
@@ -328,8 +328,22 @@ def turned(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, flat: f
     a, b, c = after[triangles].transpose(1, 0, 2)
     wrong = np.flatnonzero(orientations(a, b, c) <= 0)
     found = np.zeros(len(triangles), dtype=bool)
-    found[wrong] = heights(before, triangles[wrong]) > flat * np.ptp(before, axis=0).max(initial=0.0)
+    least = max(flatness(before, flat), flatness(after, 0.0))
+    found[wrong] = heights(before, triangles[wrong]) > least
     return found
+
+
+def flatness(xy: np.ndarray, flat: float = FLAT) -> float:
+    """Return the height of what is flat to these coordinates: far from the origin they tell less apart.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+    flat : float
+        As a share of their width.
+    """
+    rounding = 4.0 * np.finfo(float).eps * np.abs(xy).max(initial=0.0)
+    return float(max(flat * np.ptp(xy, axis=0).max(initial=0.0), rounding)) if len(xy) else 0.0
 
 
 def heights(xy: np.ndarray, triangles: np.ndarray) -> np.ndarray:

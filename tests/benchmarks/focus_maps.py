@@ -30,7 +30,11 @@ import gshhg  # noqa: E402
 from measured import note  # noqa: E402
 
 BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5 +datum=WGS84 +units=m"
-RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
+RULES = (  # name, rule, only natural places, smallest part, tau
+    ("every diagonal", "MinSize", False, 0.0, 2.0), ("natural", "MinSize", True, 0.0, 2.0),
+    ("natural, 1 %, tau 1.5", "MinSize", True, 0.01, 1.5), ("greedy", "Greedy", False, 0.0, 2.0),
+    ("proximity", "Proximity", False, 0.0, 2.0), ("none", "None", False, 0.0, 2.0),
+)  # fmt: skip
 WORLD = ("DE", "BR", "CN", "EG", "US", "LU", "JP", "CL", "ID", "NO", "KE", "TR")
 EUROPE = ("DE", "CH", "LU", "IT", "GR", "NO", "PT", "PL")
 HEAD = ("case", "points", "scale", "growth", "proof", "turned", "crossings", "invalid", "apart", "flipped %",
@@ -74,8 +78,8 @@ def load():
     spec.loader.exec_module(package)
 
 
-def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, **more):
-    """Make one map, and print its row."""
+def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, told=True, **more):
+    """Make one map, and print its row, if asked for; rows and result, and what is wrong with it."""
     from isthmus.core.errors import IsthmusError
     from isthmus.core.focus.enlarge import enlarge
     from isthmus.tests.core.focus.verify import faults, verify, with_splits
@@ -102,7 +106,10 @@ def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, **m
         f"{100 * d.flipped:.4f}", f"{d.median:.1f}", f"{d.high:.1f}", len(result.edges), len(result.splits),
         f"{seconds:.1f}",
     )  # fmt: skip
-    print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
+    if told:
+        print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
+    elif found[0] != "ok" or any(found[2:]):
+        print(f"{name}: {found}", flush=True)
     if asked.draw:
         file = f"{name.replace(' ', '_').replace(',', '')}.png"
         draw(asked.draw / file, rows, starts, numbers, result, focus)
@@ -152,16 +159,34 @@ def britain(asked):
 
 
 def rules(asked):
-    coast, wales = great_britain("i")
+    """Fig. 6 of the paper: which diagonals are kept, one row for all of them."""
+    from isthmus.core.focus.selection import rule_of
+
+    print(f"\n| map | {' | '.join(name for name, *_ in RULES)} |\n|{'---|' * (len(RULES) + 1)}")
     noted = {}
-    for rule in RULES:
-        for growth in (2.0, 0.0):
-            name = f"Great Britain i, Wales, {rule}, growth {growth:g}"
-            made = measure(asked, name, coast, wales, growth=growth, rule=rule)
-            if made and growth == 2.0:
-                result = made[1]
-                noted[rule] = {"edges": len(result.edges), "median": round(result.distortion.median, 1),
-                               "high": round(result.distortion.high, 1)}
+
+    def row(name, features, focus, scale=2.0):
+        cells = []
+        for label, rule, natural, smallest, tau in RULES if asked.only in name else ():
+            made = measure(asked, f"{name}, {label}", features, focus, scale, told=False, tau=tau,
+                           rule=rule_of(rule, natural, smallest))
+            if made is None:
+                cells.append("refused")
+                continue
+            d, count = made[1].distortion, len(made[1].edges)
+            noted.setdefault(name, {})[label] = {"edges": count, "median": round(d.median, 1),
+                                                 "high": round(d.high, 1)}
+            cells.append(f"{d.median:.1f} / {d.high:.1f} ({count:,})")
+        if cells:
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+    for size in "lihf":
+        row(f"Great Britain {size}, Wales", *great_britain(size))
+    shapes, features = european()
+    for code in EUROPE:
+        row(f"Europe, {code}, x 3", features, shapely.union_all([s for name, s in shapes if name == code]), 3.0)
+    for name, shapes, kind, focus in covers(asked):
+        row(f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
     if asked.note:
         note("focus_maps", {"source": "focus_maps.py rules --note", **noted})
 
@@ -174,25 +199,29 @@ def world(asked):
         measure(asked, f"world, {code}", features, focus)
 
 
-def europe(asked):
+def european():
+    """Names and shapes of the countries of Europe, and their features."""
     shapes = []
     frame = shapely.box(2.5e6, 1.3e6, 7.4e6, 5.5e6)
     for name, shape in countries("EPSG:3035", "-25 33 45 72"):
         parts = [part for part in shapely.get_parts(shape) if shapely.intersects(frame, part)]
         if parts and name != "RU":
             shapes.append((name, shapely.multipolygons(parts)))
-    features = [feature(shape) for _, shape in shapes]
+    return shapes, [feature(shape) for _, shape in shapes]
+
+
+def europe(asked):
+    shapes, features = european()
     for code in EUROPE:
         focus = shapely.union_all([shape for name, shape in shapes if name == code])
         for scale in (2.0, 3.0):
             measure(asked, f"Europe, {code}, x {scale:g}", features, focus, scale)
 
 
-def cover(asked):
-    covers = [("cells", cells(3, 400)), ("patches", patches(5, 90))]
-    covers += [(path.stem, layer(path)) for path in asked.cover]
-    for name, shapes in covers:
-        features = [feature(shape) for shape in shapes]
+def covers(asked):
+    """Each coverage, and boxes and polygons of it: name, shapes, what is in focus, and that."""
+    found = [("cells", cells(3, 400)), ("patches", patches(5, 90))]
+    for name, shapes in found + [(path.stem, layer(path)) for path in asked.cover]:
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array(shapes))
         middle, size = np.array((low_x + high_x, low_y + high_y)) / 2.0, np.array((high_x - low_x, high_y - low_y))
         for share in (0.15, 0.3):
@@ -200,7 +229,13 @@ def cover(asked):
             box = shapely.box(*(middle - half), *(middle + half))
             near = [shape for shape in shapes if shapely.contains(box, shape.representative_point())]
             for kind, focus in (("box", box), ("polygons", shapely.union_all(near))):
-                measure(asked, f"{name}, {kind} of {100 * share:.0f} %", features, focus)
+                yield name, shapes, f"{kind} of {100 * share:.0f} %", focus
+
+
+def cover(asked):
+    for name, shapes, kind, focus in covers(asked):
+        if asked.only in f"{name}, {kind}":
+            measure(asked, f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
 
 
 def islands(asked):

@@ -389,3 +389,31 @@ def test_points_that_are_one_beside_a_wide_map():
     result = enlarge(rows, np.arange(7), [], shapely.box(-1e12, -1e12, 1e12, 1e12), 1.5)
     assert result.scale == 1.5
     assert result.rows[2:5] - result.rows[2] == pytest.approx(rows[2:5] - rows[2], abs=1e-2)
+
+
+def test_far_from_the_origin_nothing_is_turned_by_rounding():
+    """Coordinates as large as 10^6 widths tell points 10^-10 of the width apart, no less."""
+    told = 0
+    for seed in range(12):
+        rows, starts, polygons = rings_of(tour(seed, 40).coords)
+        width = np.ptp(rows, axis=0).max()
+        rows = rows + 1e6 * width * np.array((0.7, -0.4))
+        focus = shapely.Point(rows[5]).buffer((1e-9, 1e-8, 1e-7)[seed % 3] * width)
+        try:
+            result = enlarge(rows, starts, polygons, focus, 5.0, growth=2.0)
+        except Unsolvable as problem:
+            told += "too close to each other" in str(problem)
+            continue
+        assert faults(result, *with_splits(rows, starts, result)) == []
+        carried = Carrier(result.points, result.moved, result.triangles)(rows)
+        assert np.abs(carried - result.rows).max() < 1e-8 * width
+    assert told < 12
+
+
+def test_flat_triangles_carry_nothing():
+    """On three points of one line there is no telling where a point between them goes: the others do."""
+    points = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (1.0, 0.0), (3.0, 0.0), (1.0, 1.0)])
+    triangles = np.array([(0, 5, 6), (5, 1, 6), (1, 2, 6), (2, 3, 6), (3, 0, 6), (0, 4, 5)])  # the last is flat
+    moved = points * 2.0
+    at = np.array([(0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 1.0), (3.9, 3.9)])
+    assert np.allclose(Carrier(points, moved, triangles)(at), 2.0 * at, rtol=0, atol=1e-15)

@@ -142,8 +142,10 @@ def faults(result, before, after, starts):
             rim = np.setdiff1d(rim, side)
     if len(rim):
         found.append("the frame is no rectangle")
-    height = area / np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
-    sign = _signs(result.moved[triangles[height > 1e-11 * size.max()]])
+    longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
+    rounding = 4.0 * 2.0**-52 * max(np.abs(result.points).max(), np.abs(result.moved).max())
+    height = 2.0 * area / np.maximum(longest, 1e-300)
+    sign = _signs(result.moved[triangles[height > max(1e-11 * size.max(), rounding)]])
     if (sign <= 0).any():
         found.append(f"{np.count_nonzero(sign <= 0)} triangles are turned")
     number, first = _numbered(np.concatenate((result.points, before)))
