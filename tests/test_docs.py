@@ -20,7 +20,6 @@ import shapely
 pytest.importorskip("qgis.core", reason="these tests need QGIS")
 
 from qgis.core import (  # noqa: E402
-    QgsApplication,
     QgsProcessingContext,
     QgsProcessingFeedback,
     QgsProcessingModelAlgorithm,
@@ -80,16 +79,9 @@ def code_blocks(text):
 # --- What is so -------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="session")  # as long as other tests may use the provider
-def tools(qgis_app, qgis_processing):
-    from isthmus.algorithms.provider import IsthmusProvider
-
-    registry = QgsApplication.processingRegistry()
-    provider = registry.providerById("isthmus")
-    if provider is None:
-        provider = IsthmusProvider()
-        registry.addProvider(provider)
-    yield sorted(provider.algorithms(), key=lambda tool: tool.id())
+@pytest.fixture(scope="session")
+def tools(provider):
+    return sorted(provider.algorithms(), key=lambda tool: tool.id())
 
 
 @pytest.fixture(scope="module")

@@ -197,7 +197,7 @@ class Walk(window.Stage):
         top = self.window if isinstance(top, QMenu) else top
         frame = top.frameGeometry()
         if top is self.window and point is not None:
-            frame.setSize(QSize(720, 330))  # the menus
+            frame.setSize(QSize(900, 350))  # the menus
         image = screen.grabWindow(0, frame.x(), frame.y(), frame.width(), frame.height())
         if point is not None:
             painter = QPainter(image)

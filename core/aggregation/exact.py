@@ -198,6 +198,43 @@ def _constant(problem, big, core_of, lost):
     return total + problem.boundary * float(problem.length[both].sum())
 
 
+class _Programme(NamedTuple):
+    """A programme of some pairs of an area and a core; its columns are the pairs, then the differences.
+
+    Attributes
+    ----------
+    cost : (c,) float
+    rows : (r, c) sparse
+        Differences, links of pairs to cores, thresholds, cuts, and the number of cores.
+    high : (r,) float
+        What each row is at most.
+    one : (n, c) sparse
+        Each area has one core.
+    ends : (4,) int
+        Where the rows of a kind end, but for the last.
+    place : (n, k) int
+        Column of each pair, -1 where it is left out.
+    area, core : (x,) int
+        The pairs.
+    link : (x,) bool
+        Those that have a row.
+    edge, kind : (d,) int
+        What each difference is about.
+    """
+
+    cost: np.ndarray
+    rows: object
+    high: np.ndarray
+    one: object
+    ends: np.ndarray
+    place: np.ndarray
+    area: np.ndarray
+    core: np.ndarray
+    link: np.ndarray
+    edge: np.ndarray
+    kind: np.ndarray
+
+
 class _Part:
     """The programme of one part: free areas, and the large ones around them that are cores.
 
@@ -378,61 +415,65 @@ class _Part:
         first[self.own, np.arange(k)] = True
         return first
 
-    def _matrix(self, chosen):
-        """Rows and columns of the programme for the chosen pairs.
-
-        Rows are at most 0; but the last one, the number of cores, is at most `_most`.
-
-        Returns
-        -------
-        cost : (c,) float
-            Of the pairs, then of the differences.
-        rows : (r, c) sparse
-        one : (n, c) sparse
-            Each area has one core.
-        place : (n, k) int
-            Column of each pair, -1 where it is left out.
-        edge, kind : (d,) int
-            What each difference is about; its row is the one of its number.
-        """
+    def _programme(self, chosen):
+        """The programme of the chosen pairs, as `_Programme`."""
         sparse, (n, k) = self.tools[3], self.cost.shape
         v, j = np.nonzero(chosen)
         x = len(v)
         place = np.full((n, k), -1)
         place[v, j] = np.arange(x)
-        kinds = int(self.kind.max(initial=-1)) + 1
-        there = np.zeros((n, kinds), dtype=bool)
+        edge, kind = self._differences(v, j)
+        total = x + len(edge)
+        link = (self.own[j] != v) & (self.own[j] < self.free)  # a fixed core is there anyway
+        blocks = [
+            self._difference_rows(v, j, edge, kind, total),
+            self._link_rows(place, j, link, total),
+            sparse.csr_matrix((self._needs()[v, j], (j, np.arange(x))), shape=(k, total)),
+            self._cut_rows(place, total),
+            self._number_row(place, total),
+        ]
+        return _Programme(
+            cost=np.concatenate((np.where(v < self.free, self.cost[chosen], 0.0), self.price[edge])),
+            rows=sparse.vstack(blocks).tocsr(),
+            high=np.append(np.zeros(sum(block.shape[0] for block in blocks[:-1])), self._most()),
+            one=sparse.csr_matrix((np.ones(x), (v, np.arange(x))), shape=(n, total)),
+            ends=np.cumsum([block.shape[0] for block in blocks[:-1]]),
+            place=place, area=v, core=j, link=link, edge=edge, kind=kind,
+        )  # fmt: skip
+
+    def _differences(self, v, j):
+        """The edges and kinds of core that need a variable: may one end be of the kind, and not the other."""
+        there = np.zeros((len(self.areas), int(self.kind.max(initial=-1)) + 1), dtype=bool)
         there[v, self.kind[j]] = True
         edge, kind = np.nonzero(there[self.a] | there[self.b])
-        edge, kind = edge[self.price[edge] > 0.0], kind[self.price[edge] > 0.0]
-        d = len(edge)
-        total = x + d
+        return edge[self.price[edge] > 0.0], kind[self.price[edge] > 0.0]
+
+    def _difference_rows(self, v, j, edge, kind, total):
+        """How much more of the kind the first end has than the second is at most the difference."""
+        sparse, x, d = self.tools[3], len(v), len(edge)
+        kinds = int(self.kind.max(initial=-1)) + 1
         of_kind = sparse.csr_matrix(
-            (np.ones(x), (v * kinds + self.kind[j], np.arange(x))), shape=(n * kinds, total)
+            (np.ones(x), (v * kinds + self.kind[j], np.arange(x))), shape=(len(self.areas) * kinds, total)
         )
         minus = sparse.csr_matrix((np.ones(d), (np.arange(d), x + np.arange(d))), shape=(d, total))
-        blocks = [of_kind[self.a[edge] * kinds + kind] - of_kind[self.b[edge] * kinds + kind] - minus]
-        link = self.own[j] != v
-        link &= self.own[j] < self.free  # a fixed core is there anyway
+        return of_kind[self.a[edge] * kinds + kind] - of_kind[self.b[edge] * kinds + kind] - minus
+
+    def _link_rows(self, place, j, link, total):
+        """No area has a core that is none."""
         left, right = np.flatnonzero(link), place[self.own[j[link]], j[link]]
         rows = np.arange(len(left))
-        blocks.append(sparse.csr_matrix(
+        return self.tools[3].csr_matrix(
             (np.repeat([1.0, -1.0], len(left)), (np.tile(rows, 2), np.concatenate((left, right)))),
             shape=(len(left), total),
-        ))
-        blocks.append(sparse.csr_matrix((self._needs()[v, j], (j, np.arange(x))), shape=(k, total)))
-        blocks.append(self._cut_rows(place, total))
-        free = place[self.own, np.arange(k)][self.own < self.free]
-        free = free[free >= 0]
-        blocks.append(sparse.csr_matrix(
-            (np.ones(len(free)), (np.zeros(len(free), dtype=np.int64), free)), shape=(1, total)
-        ))
-        one = sparse.csr_matrix((np.ones(x), (v, np.arange(x))), shape=(n, total))
-        cost = np.concatenate((np.where(v < self.free, self.cost[chosen], 0.0), self.price[edge]))
-        return cost, sparse.vstack(blocks).tocsr(), one, place, edge, kind
+        )
 
-    def _high(self, rows):
-        return np.append(np.zeros(rows.shape[0] - 1), self._most())
+    def _number_row(self, place, total):
+        """How many of the free areas are cores."""
+        free = place[self.own, np.arange(len(self.own))][self.own < self.free]
+        free = free[free >= 0]
+        return self.tools[3].csr_matrix(
+            (np.ones(len(free)), (np.zeros(len(free), dtype=np.int64), free)), shape=(1, total)
+        )
 
     def _cut_rows(self, place, total):
         """Rows of the cuts; which row each has is remembered."""
@@ -483,46 +524,55 @@ class _Part:
         reduced : (n, k) float
             Reduced costs of all pairs, those that were left out, too.
         """
-        linprog, (n, k) = self.tools[0], self.cost.shape
-        cost, rows, one, place, edge, kind = self._matrix(chosen)
+        programme = self._programme(chosen)
         self.rounds += 1
-        unit = max(np.abs(cost).max() / 100.0, 1e-300)
-        left = max(until - perf_counter(), 0.1)
-        for presolve in (True, False):
-            answer = linprog(
-                cost / unit, rows, self._high(rows), one, np.ones(n), bounds=(0.0, None),
-                method="highs-ds", options={"time_limit": left, "presolve": presolve},
-            )
-            if answer.status < 2:  # the presolve of HiGHS 1.2 (scipy 1.10) takes some for unbounded
-                break
+        answer, unit = self._optimum(programme, until)
         if answer.status != 0:
             return None
         dual = np.minimum(answer.ineqlin.marginals, 0.0) * unit
-        reduced = np.where(np.arange(n)[:, None] < self.free, self.cost, 0.0)
-        reduced = reduced - (answer.eqlin.marginals * unit)[:, None]
-        by_kind = np.zeros((n, int(self.kind.max()) + 1))
-        np.add.at(by_kind, (self.a[edge], kind), dual[:len(edge)])
-        np.subtract.at(by_kind, (self.b[edge], kind), dual[:len(edge)])
-        reduced -= by_kind[:, self.kind]
-        linked = rows.shape[0] - 1 - len(self.row_of_cut) - k - len(edge)
-        v, j = np.nonzero(chosen)
-        link = (self.own[j] != v) & (self.own[j] < self.free)
-        np.subtract.at(reduced, (v[link], j[link]), dual[len(edge):len(edge) + linked])
-        np.add.at(reduced, (self.own[j[link]], j[link]), dual[len(edge):len(edge) + linked])
-        theta = dual[len(edge) + linked:][:k]
-        reduced -= self._needs() * theta
-        of_cuts = dual[len(edge) + linked + k:]
-        for (j, v, separator), number in self.row_of_cut.items():
-            reduced[v, j] -= of_cuts[number]
-            reduced[list(separator), j] += of_cuts[number]
-        free = np.flatnonzero(self.own < self.free)
-        reduced[self.own[free], free] -= dual[-1]
-        x = np.zeros((n, k))
-        x[chosen] = answer.x[:int(chosen.sum())]
+        reduced = self._reduced(programme, answer.eqlin.marginals * unit, dual)
+        x = np.zeros(self.cost.shape)
+        x[chosen] = answer.x[:len(programme.area)]
         # by weak duality; a difference is at most 1
         value = float(answer.eqlin.marginals.sum() * unit + dual[-1] * self._most())
+        edge = programme.edge
         value += float(np.minimum(self.price[edge] + dual[:len(edge)], 0.0).sum())
         return value, x, reduced
+
+    def _optimum(self, programme, until):
+        """What HiGHS says of the relaxation, and the unit that its costs are in."""
+        unit = max(np.abs(programme.cost).max() / 100.0, 1e-300)
+        left = max(until - perf_counter(), 0.1)
+        for presolve in (True, False):
+            answer = self.tools[0](
+                programme.cost / unit, programme.rows, programme.high, programme.one,
+                np.ones(len(self.areas)), bounds=(0.0, None), method="highs-ds",
+                options={"time_limit": left, "presolve": presolve},
+            )
+            if answer.status < 2:  # the presolve of HiGHS 1.2 (scipy 1.10) takes some for unbounded
+                break
+        return answer, unit
+
+    def _reduced(self, programme, of_area, dual):
+        """Reduced costs of all pairs, by the dual prices of the areas and of the rows."""
+        n, k = self.cost.shape
+        of_difference, of_link, of_threshold, of_cut, of_number = np.split(dual, programme.ends)
+        reduced = np.where(np.arange(n)[:, None] < self.free, self.cost, 0.0)
+        reduced = reduced - of_area[:, None]
+        by_kind = np.zeros((n, int(self.kind.max()) + 1))
+        np.add.at(by_kind, (self.a[programme.edge], programme.kind), of_difference)
+        np.subtract.at(by_kind, (self.b[programme.edge], programme.kind), of_difference)
+        reduced -= by_kind[:, self.kind]
+        v, j = programme.area[programme.link], programme.core[programme.link]
+        np.subtract.at(reduced, (v, j), of_link)
+        np.add.at(reduced, (self.own[j], j), of_link)
+        reduced -= self._needs() * of_threshold
+        for (j, v, separator), number in self.row_of_cut.items():
+            reduced[v, j] -= of_cut[number]
+            reduced[list(separator), j] += of_cut[number]
+        free = np.flatnonzero(self.own < self.free)
+        reduced[self.own[free], free] -= of_number[0]
+        return reduced
 
     def _separate(self, x, levels):
         """Contiguity cuts that a solution violates: a dict by core, area and separator."""
@@ -559,7 +609,7 @@ class _Part:
         presolve = True
         while perf_counter() < until:
             check(None)
-            cost, rows, one, place, _, _ = self._matrix(possible)
+            cost, rows, high, one, _, place, *_ = self._programme(possible)
             self.rounds += 1
             # HiGHS takes indices of 32 bits; scipy before 1.12 hands on others as they are
             matrix = sparse.vstack((one, rows)).tocsc()
@@ -567,7 +617,7 @@ class _Part:
                 part.astype(np.int32) for part in (matrix.indices, matrix.indptr)
             )
             low = np.concatenate((np.ones(one.shape[0]), np.full(rows.shape[0], -np.inf)))
-            high = np.concatenate((np.ones(one.shape[0]), self._high(rows)))
+            high = np.concatenate((np.ones(one.shape[0]), high))
             unit = max(np.abs(cost).max() / 100.0, 1e-300)
             # the differences are whole, too, if the pairs are: with that said, presolve fails less often
             answer = milp(

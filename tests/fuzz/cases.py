@@ -1,7 +1,6 @@
 """A case: a layer, a tool and its parameters, in a form that can be saved; how to draw and run one."""
 
 import contextlib
-import json
 import math
 import resource
 import shutil
@@ -82,17 +81,13 @@ class Case(NamedTuple):
     room: int = None
     twin: bool = False
 
-    def save(self, path, **more):
-        """Write the case and what is known of it."""
-        wkt = [None if g is None else _geometry(g).asWkt(17) for g, _ in self.features]
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_text(json.dumps({**self._asdict(), **more, "wkt": wkt}, indent=1))
+    def dump(self):
+        """All of it, with the geometries as text too, for JSON."""
+        return {**self._asdict(), "wkt": [None if g is None else _geometry(g).asWkt(17) for g, _ in self.features]}
 
     @classmethod
-    def load(cls, path):
-        data = json.loads(Path(path).read_text())
-        data["fields"] = list(map(tuple, data["fields"]))
-        return cls(**{name: data[name] for name in cls._fields})
+    def load(cls, data):
+        return cls(**{name: data[name] for name in cls._fields})._replace(fields=list(map(tuple, data["fields"])))
 
 
 # ---------------------------------------------------------------- strategies

@@ -1,37 +1,23 @@
 """Fuzz the tools that work on whole maps: prepare, aggregate, focus map, and the example models.
 
-    python tests/fuzz/maps.py [--polygons 20000] [--seed 1] [--tool aggregate] [--case FILE] [--crowd 320]
+    ./run fuzz maps [--polygons 20000] [--seed 1] [--tool aggregate] [--crowd 100000] [CASE]
 
 Hypothesis draws hostile maps and parameters, `maps_run` runs the tool as QGIS would, `maps_checks` tells
-by other means what is wrong. Each kind of failure is saved under build/fuzz, shrunk; ``--case`` runs one
-again. A worker process does the work, so that a crash or a hang of QGIS is a failure as well.
+by other means what is wrong; `frame` does the rest.
 """
 
-import argparse
-import json
-import os
-import re
-import signal
-import subprocess
+import math
 import sys
-import time
-import zlib
 from collections import Counter
 from pathlib import Path
 from random import Random
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
-ROOT = Path(__file__).resolve().parents[2]
-SAVED = ROOT / "build" / "fuzz"
+sys.path[:0] = [str(Path(__file__).resolve().parent)]
 
-import conftest  # noqa: E402, F401
-from hypothesis import HealthCheck, Phase, given, seed, settings  # noqa: E402
+import frame  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
 import maps_layers as layers  # noqa: E402
-
-HANG = 240  # seconds that one case may take
-BATCH = 60  # cases
 
 # ---- cases
 
@@ -82,6 +68,7 @@ def prepare_cases(draw):
         "OBJECTIVE": draw(weights("MinSize", "MinSize", "MinLength")),
         "MIN_LENGTH": draw(weights(0.0, 0.0, 1.0, 1e300)),
         "MIN_HOLE": draw(weights(0.0, 0.0, 2.0, 1e18)),
+        "NEW_VERTICES": draw(st.booleans()),
     }
     odd = name != "code"
     bad = draw(st.integers(0, 29)) == 0
@@ -355,14 +342,21 @@ def focus_model_cases(draw):
     }  # fmt: skip
 
 
-STRATEGIES = {
+TOOLS = {
     "prepareaggregation": prepare_cases(), "aggregate": aggregate_cases(), "focusmap": focus_cases(),
     "prepare_and_aggregate": aggregation_model_cases(), "partition_and_focus_map": focus_model_cases(),
 }  # fmt: skip
 
 
-def crowds(side, number):
-    """Very many small areas, for each of the tools; the focus is a corner of the map."""
+def crowd(count, seed):
+    """A map of so many small areas through each of the tools: what was counted, and what is wrong."""
+    for case in _crowds(math.isqrt(count), seed):
+        counts = Counter()
+        yield counts, problem(case, counts)
+
+
+def _crowds(side, number):
+    """The cases; the focus is a corner of the map."""
     rows = [
         [one, [key]] for key, one in enumerate(layers.tessellation(number, "quads", side, side, 0.0, 0.02))
     ]
@@ -402,8 +396,8 @@ def crowds(side, number):
 # ---- runs
 
 
-def problems(case, counts=None):
-    """Run a case; return what is wrong, and count."""
+def problem(case, counts):
+    """Run a case; return what is wrong, '' if nothing, and count."""
     import maps_checks as checks
     from maps_run import run
 
@@ -414,200 +408,63 @@ def problems(case, counts=None):
     }[case["tool"]]  # fmt: skip
     out = run(case)
     wrong = check(case, out)
-    if counts is not None:
-        tool = case["tool"]
-        counts[f"{tool} cases"] += 1
-        counts[f"{tool} features"] += polygons_of(case)
-        for name, holds in (
-            ("refused", out.refused),
-            ("cancelled", out.feedback.isCanceled()),
-            ("compared with the brute force", hasattr(out, "brute")),
-            ("in files", case["output"] != "memory"),
-        ):
-            counts[f"{tool} {name}"] += bool(holds)
+    tool = case["tool"]
+    counts[f"{tool} cases"] += 1
+    counts["polygons"] += polygons_of(case)
+    for name, holds in (
+        ("refused", out.refused),
+        ("cancelled", out.feedback.isCanceled()),
+        ("compared with the brute force", hasattr(out, "brute")),
+        ("in files", case["output"] != "memory"),
+    ):
+        counts[f"{tool} {name}"] += bool(holds)
     vars(out).clear()  # QGIS keeps the frames of a run that failed, and what is in them
-    return wrong
+    return "\n".join(wrong)
 
 
 def polygons_of(case):
     return len(case["layers"].get("INPUT", case["layers"].get("map"))["rows"])
 
 
-def signature(case, wrong):
-    """What tells kinds of failures apart: the words without the numbers."""
-    words = re.sub(r"[\d.,\[\]()+ -]|e-", "", wrong[0].split("\n")[0])[:40]
-    return f"{case['tool']}-{zlib.crc32(words.encode()):08x}"
+def start():
+    """Nothing: what a tool raises is seen by `maps_run`."""
 
 
-def save(case, wrong, name=None):
-    """Keep a failure, the smallest of its kind."""
-    SAVED.mkdir(parents=True, exist_ok=True)
-    path = SAVED / f"{name or signature(case, wrong)}.json"
-    content = json.dumps({"wrong": wrong, "case": case}, ensure_ascii=False)
-    if not path.exists() or len(path.read_bytes()) > len(content.encode()):
-        path.write_text(content, encoding="utf-8")
-    return path
+def smaller(case, shows):
+    """As few features in each layer, and as few parts, rings and points in each, as show the same."""
+    for name, layer in case["layers"].items():
+        if isinstance(layer, list):
+            continue
+
+        def make(rows, name=name, layer=layer):
+            return {**case, "layers": {**case["layers"], name: {**layer, "rows": rows}}}
+
+        rows = frame.fewer(layer["rows"], lambda rows: shows(make(rows)))
+        for k, (geometry, values) in enumerate(rows):
+            if not geometry or geometry["type"] not in ("Polygon", "MultiPolygon"):
+                continue
+
+            def closed(parts, k=k, geometry=geometry, values=values):
+                parts = [[ring + ring[:1] for ring in part] for part in parts]
+                return [*rows[:k], [{**geometry, "parts": parts}, values], *rows[k + 1:]]
+
+            parts = [[ring[:-1] for ring in part] for part in geometry["parts"]]
+            if shows(make(closed(parts))):  # no ring was open
+                rows = closed(frame.less(parts, lambda parts: shows(make(closed(parts))), 3))
+        case = make(rows)
+    return case
 
 
-def attack(tool, number, cases, counts, failures, before=lambda case: None):
-    """Draw cases of one tool; count, and save what fails."""
-
-    @seed(number)
-    @settings(
-        max_examples=cases,
-        database=None,
-        deadline=None,
-        derandomize=False,
-        print_blob=False,
-        report_multiple_bugs=False,
-        suppress_health_check=list(HealthCheck),
-        phases=(Phase.generate, Phase.shrink),
-    )
-    @given(case=STRATEGIES[tool])
-    def one(case):
-        before(case)
-        wrong = problems(case, counts)
-        if wrong:
-            failures[signature(case, wrong)] = (str(save(case, wrong)), wrong[0][:300])
-            raise AssertionError(wrong[0])
-
-    try:
-        one()
-    except AssertionError:
-        pass
+def dump(case):
+    return case
 
 
-def main(polygons=20000, number=1, tools=tuple(STRATEGIES)):
-    """Fuzz until so many polygons were worked on; print the counts; return the number of failures."""
-    counts, failures, batch, died = Counter(), {}, 0, 0
-    begun, told = time.monotonic(), 0.0
-    running, state = SAVED / f"running-{os.getpid()}.json", SAVED / f"state-{os.getpid()}.json"
-    SAVED.mkdir(parents=True, exist_ok=True)
-    print(f"seed {number}, {polygons} features", flush=True)
-
-    def features():
-        return sum(n for name, n in counts.items() if name.endswith("features"))
-
-    while features() < polygons:
-        worker = subprocess.Popen(
-            [
-                sys.executable,
-                __file__,
-                "--worker",
-                str(running),
-                str(state),
-                "--seed",
-                str(number),
-                "--batch",
-                str(batch),
-                "--polygons",
-                str(polygons - features()),
-                "--tool",
-                *tools,
-            ],
-            stdout=subprocess.DEVNULL,
-        )
-        while worker.poll() is None:
-            time.sleep(0.5)
-            if time.monotonic() - told > 60 and state.exists():
-                told = time.monotonic()
-                made = json.loads(state.read_text())
-                done = features() + sum(
-                    n for name, n in made.get("counts", {}).items() if name.endswith("features")
-                )
-                print(f"  {done} features, {told - begun:.0f} s", flush=True)
-            if running.exists() and time.time() - running.stat().st_mtime > HANG:
-                worker.send_signal(signal.SIGKILL)
-        if state.exists():
-            made = json.loads(state.read_text())
-            counts.update(made["counts"])
-            failures.update(made["failures"])
-            batch = made["batch"]
-            state.unlink()
-        if worker.returncode:
-            died += 1
-            batch += 1
-            how = "took too long" if worker.returncode == -signal.SIGKILL else f"died ({worker.returncode})"
-            if running.exists():
-                case = json.loads(running.read_text())
-                name = f"died-{case['tool']}-{number}-{batch}"
-                failures[name] = (str(save(case, [how], name)), how)
-            else:
-                failures[f"died-{batch}"] = ("no case", how)
-            if died > 20:
-                print("too many deaths")
-                break
-    running.unlink(missing_ok=True)
-    for name in sorted(counts):
-        print(f"{counts[name]:9d} {name}")
-    print(f"{features():9d} features in all, {time.monotonic() - begun:.0f} s, seed {number}")
-    for path, text in failures.values():
-        print(f"FAILED {path}: {text.splitlines()[0]}")
-    print(f"{len(failures)} failures")
-    return len(failures)
+load = dump
 
 
-def work(running, state, polygons, number, batch, tools):
-    """The worker: batches of cases, with the running one and the counts in files."""
-    start_qgis()
-    counts, failures = Counter(), {}
-    running, state = Path(running), Path(state)
-
-    def before(case):
-        running.write_text(json.dumps(case))
-
-    while sum(n for name, n in counts.items() if name.endswith("features")) < polygons:
-        attack(tools[batch % len(tools)], number * 1_000_003 + batch, BATCH, counts, failures, before)
-        batch += 1
-        made = json.dumps({"counts": counts, "failures": failures, "batch": batch})
-        state.with_suffix(".new").write_text(made)
-        state.with_suffix(".new").replace(state)  # never half written
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def start_qgis():
-    from qgis.core import QgsApplication
-
-    start_qgis.application = QgsApplication([], False)  # lives as long as the process
-    QgsApplication.initQgis()
-
-
-def arguments():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--polygons", type=int, default=20000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tool", nargs="+", default=list(STRATEGIES), choices=list(STRATEGIES))
-    parser.add_argument("--case", help="run a saved case again")
-    parser.add_argument(
-        "--crowd", type=int, default=0, help="only one map of N x N small areas for each tool"
-    )
-    parser.add_argument("--worker", nargs=2, help=argparse.SUPPRESS)
-    parser.add_argument("--batch", type=int, default=0, help=argparse.SUPPRESS)
-    return parser.parse_args()
+def after(count, seed, counts):
+    return ()
 
 
 if __name__ == "__main__":
-    chosen = arguments()
-    if chosen.worker:
-        work(*chosen.worker, chosen.polygons, chosen.seed, chosen.batch, chosen.tool)
-    elif chosen.crowd:
-        start_qgis()
-        wrong = 0
-        for each in crowds(chosen.crowd, chosen.seed):
-            begun = time.monotonic()
-            found = problems(each)
-            wrong += bool(found)
-            print(
-                f"{polygons_of(each)} areas, {each['tool']}: {time.monotonic() - begun:.0f} s with the checks; "
-                f"{found[:3] or 'all is well'}",
-                flush=True,
-            )
-        os._exit(bool(wrong))
-    elif chosen.case:
-        start_qgis()
-        found = problems(json.loads(Path(chosen.case).read_text(encoding="utf-8"))["case"])
-        print("\n".join(found) or "all is well", flush=True)
-        os._exit(bool(found))
-    else:
-        sys.exit(bool(main(chosen.polygons, chosen.seed, tuple(chosen.tool))))
+    frame.main(sys.modules[__name__])

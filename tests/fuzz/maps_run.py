@@ -1,9 +1,7 @@
 """Run a tool on a case, as QGIS would, and tell what came of it."""
 
-import contextlib
 import inspect
 import os
-import resource
 import sys
 import tempfile
 import traceback
@@ -13,6 +11,7 @@ from types import SimpleNamespace
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 import conftest  # noqa: E402, F401
+from cases import small_files  # noqa: E402
 from maps_layers import wkb  # noqa: E402
 from qgis.core import (  # noqa: E402
     QgsApplication,
@@ -154,18 +153,9 @@ def field_name(opened, one, name):
     return opened.fields()[place + len(opened.fields()) - len(one["fields"])].name()
 
 
-@contextlib.contextmanager
 def _disk(kind):
     """No file may get longer than ``full N`` says: what writes it is told of an error, as by a full disk."""
-    if not kind.startswith("full"):
-        yield
-        return
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(kind.split()[1]), hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    return small_files(int(kind.split()[1]) if kind.startswith("full") else None)
 
 
 def run(case, folder=None):

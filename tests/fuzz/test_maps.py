@@ -1,4 +1,4 @@
-"""A short run of the fuzzing of the tools for whole maps; the long one is ``maps.py``."""
+"""A short run of the fuzzing of the tools for whole maps; the long one is `./run fuzz maps`."""
 
 import sys
 from pathlib import Path
@@ -11,6 +11,7 @@ pytest.importorskip("hypothesis")
 
 sys.path[:0] = [str(Path(__file__).resolve().parent)]
 
+import frame  # noqa: E402
 import maps  # noqa: E402
 from qgis.core import QgsApplication  # noqa: E402
 
@@ -36,7 +37,7 @@ def _nothing_stays(qgis_app):
 def test_short_run(qgis_app, tool):
     print(f"seed {SEED}")
     counts, failures = maps.Counter(), {}
-    maps.attack(tool, SEED, CASES[tool], counts, failures)
+    frame.attack(maps, tool, SEED, CASES[tool], counts, failures)
     print(dict(counts))
     assert not failures
     assert counts[f"{tool} cases"] >= CASES[tool] // 2

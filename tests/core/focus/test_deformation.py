@@ -11,7 +11,7 @@ pytest.importorskip("scipy")
 
 from isthmus.tests.core.checker import dilations
 from isthmus.core.errors import MissingEngine
-from isthmus.core.focus import deformation, graph, hierarchy, measures, mesh, selection
+from isthmus.core.focus import carrying, deformation, graph, hierarchy, measures, mesh, selection
 
 from ..shapes import circle, tour
 from .verify import crossing_pairs
@@ -101,6 +101,30 @@ def test_node():
     expected = {(0, 4), (4, 8), (1, 8), (2, 8), (3, 8), (4, 5), (0, 6), (6, 7), (3, 7)}
     assert {tuple(e) for e in noded.edges.tolist()} == expected
     assert noded.splits.tolist() == [[0, 1, 4], [0, 1, 8], [2, 3, 8], [0, 3, 6], [0, 3, 7]]
+
+
+def test_node_takes_what_is_nearly_there():
+    """A vertex that is across an edge but for rounding lies on it, and lines through one point have one there."""
+    xy = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, -1e-11), (0.5, 1.0)])
+    noded = mesh.node(xy, np.array([(0, 1), (2, 3)]), nothing)
+    assert np.array_equal(noded.xy, xy) and noded.splits.tolist() == [[0, 1, 2]]
+    angle = np.linspace(0.1, 3.0, 7)
+    arm = np.column_stack((np.cos(angle), np.sin(angle))) / 3.0
+    xy = np.concatenate(((0.37, 0.41) + arm, (0.37, 0.41) - 1.1 * arm))
+    noded = mesh.node(xy, np.column_stack((np.arange(7), np.arange(7, 14))), nothing)
+    assert len(noded.xy) == 15 and len(noded.edges) == 14
+
+
+def test_a_line_of_one_point_has_no_edge():
+    found = graph.build_graph(np.array([(5.0, 5.0), (0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]), np.array([0, 1, 3, 4]))
+    assert found.xy[found.edges].tolist() == [[[0.0, 0.0], [1.0, 0.0]]]
+
+
+def test_a_triangle_that_becomes_flat_has_turned():
+    before = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+    for y, wrong in ((1e-300, False), (0.0, True), (-1e-300, True)):
+        after = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, y)])
+        assert mesh.turned(before, after, np.array([(0, 1, 2)])).tolist() == [wrong]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -233,6 +257,18 @@ def test_what_is_put_back_never_turns(seed):
     assert np.array_equal(after[kept], (xy + shift)[kept]) and np.abs(after - xy).max() > 0.1
 
 
+def test_what_is_known_stays_when_it_is_put_back():
+    xy, triangles, edges, _ = frame(3)
+    free = ((xy > 0.0) & (xy < 1.0)).all(axis=1)
+    known = free & (xy[:, 0] < 0.5)
+    coarse = hierarchy.coarsen(xy, triangles, edges, free, known, 5, nothing)
+    gone = known & (coarse.into != np.arange(len(xy)))
+    assert np.count_nonzero(gone) > 5
+    shift = np.zeros_like(xy)
+    shift[known] = 1e-5, 2e-5
+    assert (hierarchy.reinsert(coarse, xy, shift, known, nothing)[known] == (1e-5, 2e-5)).all()
+
+
 def test_what_is_put_back_is_carried_by_an_affine_map():
     xy, triangles, found = coarse_of(1)
     shift = xy @ np.array([(0.5, 0.2), (-0.1, 0.3)])
@@ -300,6 +336,32 @@ def test_joins_connect_islands():
     assert (found[:, 0] // 8 != found[:, 1] // 8).all()
 
 
+@pytest.mark.parametrize("tau", [1.5, 3.0, 8.0])
+def test_joins_are_needed_and_enough(tau):
+    """By the rule: each has no shorter one that offers a way, and every Delaunay edge across the water has."""
+    rng = np.random.default_rng(7)
+    shores = [np.column_stack((x + rng.uniform(-0.2, 0.2, 15), np.arange(15))) for x in (0.0, 1.5, 4.0)]
+    xy = np.unique(np.concatenate(shores), axis=0)
+    shore = np.digitize(xy[:, 0], (0.75, 2.75))
+    edges = np.concatenate([np.column_stack((v[:-1], v[1:])) for v in (
+        np.flatnonzero(shore == k)[np.argsort(xy[shore == k, 1])] for k in range(3))])
+    found = graph.joins(xy, np.sort(edges, axis=1), tau)
+    length = np.hypot(*(xy[found[:, 0]] - xy[found[:, 1]]).T)
+    lines = shapely.get_parts(shapely.delaunay_triangles(shapely.multipoints(xy), only_edges=True))
+    place = {tuple(p): k for k, p in enumerate(xy.tolist())}
+    across = [(place[tuple(a)], place[tuple(b)]) for a, b in (shapely.get_coordinates(one).tolist() for one in lines)]
+    chosen = {frozenset(one) for one in found.tolist()}
+    for u, v in across:
+        if shore[u] == shore[v]:
+            continue
+        own = np.hypot(*(xy[u] - xy[v]))
+        alike = (length < own) & (np.sort(shore[found], axis=1) == sorted((shore[u], shore[v]))).all(axis=1)
+        ends = np.where(shore[found[alike]] == shore[u], 0, 1)
+        way = length[alike] + sum(
+            np.hypot(*(xy[found[alike]] - xy[np.where(ends == 0, u, v)]).transpose(2, 0, 1))[:, k] for k in (0, 1))
+        assert (frozenset((u, v)) in chosen) == bool((way > tau * own).all())
+
+
 def test_joins_of_points_on_a_line():
     xy = np.array([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0), (3.0, 3.0)])
     edges = np.array([(0, 1), (2, 3)])
@@ -316,3 +378,40 @@ def test_min_length_is_no_longer_than_the_others():
         for rule in ("MinLength", "MinSize", "Greedy")
     }
     assert 0.0 < length["MinLength"] <= 1.001 * min(length.values())
+
+
+def test_distortion_is_weighed_by_area():
+    """Ten triangles, each stretched more than the one before; the last one is a fifth of the area."""
+    corner = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+    size = np.sqrt(np.append(np.full(9, 1.0), 9 / 4))
+    before = np.concatenate([s * corner for s in size])
+    stretch = np.linspace(1.0, 2.8, 10)
+    after = np.concatenate([s * corner * (f, 1.0) for s, f in zip(size, stretch)])
+    found = measures.distortion(before, after, np.arange(30).reshape(-1, 3))
+    angle = np.degrees(2.0 * np.arcsin((stretch - 1.0) / (stretch + 1.0)))
+    assert found.flipped == 0.0 and (found.median, found.high) == pytest.approx((angle[5], angle[9]))
+    mirrored = measures.distortion(corner, corner * (-1.0, 1.0), np.array([(0, 1, 2)]))
+    assert mirrored == (1.0, 180.0, 180.0)
+
+
+def test_beyond_the_frame_all_moves_as_its_border_does():
+    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (1.0, 1.0)])
+    fan = np.array([(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+    points = np.array([(9.0, 1.0), (-5.0, -7.0), (1.0, 1.9)])
+    moved = carrying.Carrier(square, square + (1.0, 2.0), fan)(points)
+    assert np.allclose(moved, points + (1.0, 2.0))
+    # where no triangle is, nothing moves
+    assert carrying.Carrier(square, square + (1.0, 2.0), fan[:2])(points[2:]).tolist() == [[1.0, 1.9]]
+
+
+def test_the_smallest_part_is_a_share_of_the_land_without_its_holes():
+    coords = np.array([(0, 0), (10, 0), (10, 10), (0, 10), (2, 2), (2, 4), (4, 4), (4, 2)], dtype=float)
+    assert selection._area(coords, np.array([0, 4, 8]), 0.5) == 48.0
+
+
+def test_a_rule_knows_the_smallest_part():
+    shape = tour(2, 80)
+    found = [
+        len(selection.rule_of("MinSize", smallest=share)(shape.coords, shape.offsets, 2.0, nothing)) for share in (0.0, 0.9)
+    ]
+    assert found[0] > 3 and found[1] == 0

@@ -211,8 +211,17 @@ def test_without_a_frame_the_map_grows():
     result = enlarge(rows, starts, polygons, focus, 2.0, frame=False)
     check(rows, starts, polygons, focus, 2.0, result, frame=False)
     assert (np.ptp(result.rows, axis=0) > np.ptp(rows, axis=0)).any()
+    inside = shapely.covers(focus, shapely.points(rows[:-1]))
+    assert result.rows[:-1][inside].mean(axis=0) == pytest.approx(rows[:-1][inside].mean(axis=0), abs=1e-9)
     whole = enlarge(rows, starts, polygons, shapely.box(-50, -50, 60, 60), 2.0, frame=False)
     assert np.ptp(whole.rows, axis=0) == pytest.approx(2.0 * np.ptp(rows, axis=0), rel=1e-12)
+
+
+def test_a_region_from_side_to_side_becomes_smaller():
+    """It leaves the sides of the frame, which stay where they are."""
+    rows, starts, polygons = rings_of(circle(60, 10.0))
+    focus = shapely.box(-50, -4, 60, 4)
+    check(rows, starts, polygons, focus, 0.5, enlarge(rows, starts, polygons, focus, 0.5))
 
 
 def test_two_regions():
