@@ -19,7 +19,7 @@ SEED = 20160927
 def test_hostile_layers(tools):
     print(f"seed {SEED}")
     counts, failures = Counter(), {}
-    frame.attack(cuts, "partition", SEED, 36, counts, failures)
+    frame.attack(cuts, "partition", SEED, 90, counts, failures)
     print(dict(counts))
     assert not failures
     assert counts["polygons solved"] > 100

@@ -24,7 +24,7 @@ def some(seed):
          shapes.reversed_rings(shapes.polyomino(s, 4, 4, 0.8, 0.5)),
          shapes.tour(s, 12).mapped(lambda xy: xy * 1e90), shapes.tour(s, 9).mapped(lambda xy: xy * 1e-120),
          list(shapes.TOUCHING.values())[s % len(shapes.TOUCHING)], BAD[s % len(BAD)]][k]
-        for k, s in zip(rng.integers(0, 9, 30).tolist(), rng.integers(0, 10**6, 30).tolist())
+        for k, s in zip(rng.integers(0, 9, 60).tolist(), rng.integers(0, 10**6, 60).tolist())
     ]
     return found, rng
 
@@ -40,7 +40,7 @@ def alone(s, tau, **options):
     {}, {"min_length": 2e5}, {"min_hole": 1e11}, {"weigh": lambda prepared: prepared.length},
     {"measure": metric.ellipsoidal()}, {"engine": "shapely"}, {"natural": True, "smallest": 1e9},
 ], ids=lambda options: next(iter(options), "plain"))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(6))
 def test_together_as_alone(seed, options):
     polygons, rng = some(seed)
     if "measure" in options:
