@@ -44,11 +44,13 @@ class Reader:
         self.total = sum(self.sizes) or 1
         self.done, self.size = 0, 0
 
+    def _features(self):
+        if self.kept is not None:
+            return self.kept
+        return self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+
     def __iter__(self):
-        features = self.kept
-        if features is None:
-            features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
-        for feature, size in zip(features, self.sizes):
+        for feature, size in zip(self._features(), self.sizes):
             self.size = size
             if self.feedback.isCanceled():
                 return
@@ -61,9 +63,8 @@ class Reader:
 
         What is yielded counts as done when the next is asked for.
         """
-        features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
         chunk, self.size = [], 0
-        for feature, size in zip(features, self.sizes):
+        for feature, size in zip(self._features(), self.sizes):
             if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
                 yield chunk
                 self.done += self.size

@@ -1,6 +1,7 @@
 """What the tools that cut polygons run: from chunks of a layer to parts, cuts and numbers."""
 
 import math
+from contextlib import suppress
 from itertools import repeat
 
 import numpy as np
@@ -9,7 +10,7 @@ from qgis.core import NULL, QgsFeatureRequest, QgsProcessingUtils, QgsUnitTypes,
 from ...core.errors import Cancelled
 from ...core.partition.features import costs, cuts, pieces, without_vertex
 from ...core.partition.solve import finish
-from ...core.progress import checker, stretch
+from ...core.progress import stretch
 from ..base import counted
 from ..layers import wkb
 from ..layers.fields import make_fields
@@ -18,7 +19,7 @@ from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..words import tr
 from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
-from .solving import prepare, read, reasons_of, settings_of
+from .solving import problems, reasons_of, settings_of
 
 
 def cut(tool, parameters, context, feedback, chooser, extra_values=None):
@@ -41,20 +42,15 @@ def cut(tool, parameters, context, feedback, chooser, extra_values=None):
             tool, parameters, context, source, feedback, all_dilations=writer.with_diagonals
         )
         choose = chooser(tool, parameters, context, source, feedback)
-        check = checker(reader.progress, feedback.isCanceled)
-        try:
-            for features in reader.chunks():
-                for chunk in read(features, settings, feedback):
-                    problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
-                    selection, tau = choose(problem, stretch(check, 0.5, 0.7))
-                    writer.told.short += without_vertex(problem, selection, tau)
-                    solution = finish(
-                        problem.prepared, selection, all_dilations=settings.all_dilations,
-                        check=stretch(check, 0.7, 0.8),
-                    )
-                    writer.write(problem, solution, feedback, stretch(check, 0.8, 1.0))
-        except Cancelled:
-            pass
+        with suppress(Cancelled):
+            for problem, check in problems(reader, settings, feedback, 0.5):
+                selection, tau = choose(problem, stretch(check, 0.0, 0.4))
+                writer.told.short += without_vertex(problem, selection, tau)
+                solution = finish(
+                    problem.prepared, selection, all_dilations=settings.all_dilations,
+                    check=stretch(check, 0.4, 0.6),
+                )
+                writer.write(problem, solution, feedback, stretch(check, 0.6, 1.0))
         if tool.in_place and feedback.isCanceled():
             writer.pass_on(source)
         if settings.lines:

@@ -1,6 +1,7 @@
 """What ``isthmus:hierarchy`` runs."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 from qgis.core import NULL, QgsProcessingUtils, QgsWkbTypes
@@ -8,7 +9,7 @@ from qgis.core import NULL, QgsProcessingUtils, QgsWkbTypes
 from ...core.errors import Cancelled
 from ...core.partition.features import without_vertex
 from ...core.partition.nesting import NO_END, cuts, items_of, nest, shapes
-from ...core.progress import checker, stretch
+from ...core.progress import stretch
 from ..base import counted
 from ..layers import wkb
 from ..layers.fields import make_fields
@@ -18,7 +19,7 @@ from ..layers.styles import style_on_load
 from ..words import tr
 from .cutting_run import Told
 from .hierarchy import LEVEL_FIELDS, RANKED_FIELDS
-from .solving import prepare, read, settings_of
+from .solving import problems, settings_of
 
 
 def run(tool, parameters, context, feedback):
@@ -32,20 +33,15 @@ def run(tool, parameters, context, feedback):
     with Sinks(tool, parameters, context, feedback) as sinks:
         writer = _Writer(tool, source, reader.wkb_type, sinks)
         settings = settings_of(tool, parameters, context, source, feedback)
-        check = checker(reader.progress, feedback.isCanceled)
-        try:
-            for features in reader.chunks():
-                for chunk in read(features, settings, feedback):
-                    problem = prepare(chunk, settings, stretch(check, 0.0, 0.4))
-                    tau, parts = (
-                        of and np.array([of(feature) for feature in chunk.features], dtype=float)
-                        for of in (tau_of, parts_of)
-                    )
-                    nested = nest(problem, tau, parts, stretch(check, 0.4, 0.8))
-                    writer.told.short += without_vertex(problem, nested.selection, nested.tau)
-                    writer.write(problem, nested, feedback, stretch(check, 0.8, 1.0))
-        except Cancelled:
-            pass
+        with suppress(Cancelled):
+            for problem, check in problems(reader, settings, feedback, 0.4):
+                tau, parts = (
+                    of and np.array([of(feature) for feature in problem.chunk.features], dtype=float)
+                    for of in (tau_of, parts_of)
+                )
+                nested = nest(problem, tau, parts, stretch(check, 0.0, 2 / 3))
+                writer.told.short += without_vertex(problem, nested.selection, nested.tau)
+                writer.write(problem, nested, feedback, stretch(check, 2 / 3, 1.0))
     writer.report(feedback)
     destinations = sinks.destinations
     style_on_load(context, destinations.get(tool.CUTS), "hierarchy_cuts.qml", 0)

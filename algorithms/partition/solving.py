@@ -18,7 +18,7 @@ from ...core import metric
 from ...core.partition.engines import engine_name, only_engine
 from ...core.partition.features import Chunk, beyond_the_poles, weigh_by_length
 from ...core.partition.features import prepare as prepare_polygons
-from ...core.progress import ignore
+from ...core.progress import checker, ignore, stretch
 from ..dependencies import engines_with_wheels
 from ..layers import wkb
 from ..words import tr
@@ -152,6 +152,27 @@ def prepare(chunk, settings, check=ignore):
         chunk, natural=settings.natural, lines=settings.lines and settings.lines.given,
         new_vertices=settings.new_vertices, weigh=settings.weigh, check=check, **floors,
     )
+
+
+def problems(reader, settings, feedback, share):
+    """Yield the chunks of a layer, prepared, each with the check of what is left to do for it.
+
+    Parameters
+    ----------
+    reader : Reader
+    settings : Settings
+    feedback : QgsProcessingFeedback
+    share : float
+        What preparing a chunk takes of its progress.
+
+    Raises
+    ------
+    Cancelled
+    """
+    check = checker(reader.progress, feedback.isCanceled)
+    for features in reader.chunks():
+        for chunk in read(features, settings, feedback):
+            yield prepare(chunk, settings, stretch(check, 0.0, share)), stretch(check, share, 1.0)
 
 
 def reasons_of(feature, verdicts):

@@ -1,6 +1,7 @@
 """What ``isthmus:tradeoff`` runs."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 from qgis.core import (
@@ -15,7 +16,7 @@ from ...core.errors import Cancelled
 from ...core.partition import features
 from ...core.partition.solve import select
 from ...core.partition.tradeoff import paying_steps
-from ...core.progress import checker, stretch
+from ...core.progress import stretch
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import Reader
@@ -23,7 +24,7 @@ from ..words import tr
 from . import report
 from .cutting import BY_SIZE
 from .cutting_run import report_short
-from .solving import prepare, read, settings_of
+from .solving import problems, settings_of
 from .tradeoff import FIELDS
 
 UNITS = {"MinSize": "number of cuts", "MinLength": "length of the cuts", "MinWeight": "weight"}
@@ -61,52 +62,48 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
     name_of = _names(tool, sinks.parameters, sinks.context)
     curves, count, skipped, short = [], 0, 0, 0
     reader = Reader(source, feedback)
-    check = checker(reader.progress, feedback.isCanceled)
-    try:
-        for some in reader.chunks():
-            for chunk in read(some, settings, feedback):
-                problem = prepare(chunk, settings, stretch(check, 0.0, 0.3))
-                found = features.curves(problem, low, high, most, stretch(check, 0.3, 0.9))
-                # where the curves end, by the fewest cuts
-                end = np.array([
-                    max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found
-                ])
-                fewest = select(problem.prepared, end[problem.owner], with_dilation=False)
-                short += features.without_vertex(problem, fewest, end)
-                for f, feature in enumerate(chunk.features):
-                    check(0.9 + 0.1 * f / len(chunk.features) if f % 8 == 0 else None)
-                    reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
-                    if not any(reason == "" for reason in reasons):
-                        skipped += 1
-                        reason = reasons[0] if reasons else "it has no polygon"
-                        feedback.pushWarning(tr("Feature {} has no curve: {}.").format(feature.id(), reason))
-                        continue
-                    reasons.remove("")
-                    if reasons:
-                        skipped += 1
-                        feedback.pushWarning(tr(
-                            "Feature {}: parts of it were left out: {}."
-                        ).format(feature.id(), "; ".join(reasons)))
-                    curve, rows = found[f]
-                    for *row, share in rows:
-                        own = [feature.id(), *row, NULL if math.isnan(share) else share]
-                        sinks.add(tool.OUTPUT, None, own, f"feature {feature.id()}")
-                    count += len(rows)
-                    tau, cuts, _, cost, share = map(list, zip(*rows))
-                    curves.append(
-                        {
-                            "name": name_of(feature),
-                            "unit": unit,
-                            "tau": tau,
-                            "cost": cost,
-                            "cuts": cuts,
-                            "share": share,
-                            "marked": paying_steps(tau, cost),
-                            "complete": curve.complete,
-                        }
-                    )
-    except Cancelled:
-        pass
+    with suppress(Cancelled):
+        for problem, check in problems(reader, settings, feedback, 0.3):
+            chunk, write = problem.chunk, stretch(check, 6 / 7, 1.0)
+            found = features.curves(problem, low, high, most, stretch(check, 0.0, 6 / 7))
+            # where the curves end, by the fewest cuts
+            end = np.array([
+                max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found
+            ])
+            fewest = select(problem.prepared, end[problem.owner], with_dilation=False)
+            short += features.without_vertex(problem, fewest, end)
+            for f, feature in enumerate(chunk.features):
+                write(f / len(chunk.features) if f % 8 == 0 else None)
+                reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
+                if not any(reason == "" for reason in reasons):
+                    skipped += 1
+                    reason = reasons[0] if reasons else "it has no polygon"
+                    feedback.pushWarning(tr("Feature {} has no curve: {}.").format(feature.id(), reason))
+                    continue
+                reasons.remove("")
+                if reasons:
+                    skipped += 1
+                    feedback.pushWarning(tr(
+                        "Feature {}: parts of it were left out: {}."
+                    ).format(feature.id(), "; ".join(reasons)))
+                curve, rows = found[f]
+                for *row, share in rows:
+                    own = [feature.id(), *row, NULL if math.isnan(share) else share]
+                    sinks.add(tool.OUTPUT, None, own, f"feature {feature.id()}")
+                count += len(rows)
+                tau, cuts, _, cost, share = map(list, zip(*rows))
+                curves.append(
+                    {
+                        "name": name_of(feature),
+                        "unit": unit,
+                        "tau": tau,
+                        "cost": cost,
+                        "cuts": cuts,
+                        "share": share,
+                        "marked": paying_steps(tau, cost),
+                        "complete": curve.complete,
+                    }
+                )
     report_short(feedback, short)
     return curves, {tool.STEP_COUNT: count, tool.SKIPPED_COUNT: skipped}
 

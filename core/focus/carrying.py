@@ -78,7 +78,6 @@ class Carrier:
         shift[found < 0] = 0.0
         return shift
 
-
     def _found(self, xy, near=None):
         """The largest triangle at each point, or near it, -1 for none."""
         found = np.full(len(xy), -1)
