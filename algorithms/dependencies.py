@@ -14,9 +14,17 @@ import numpy
 
 # For which CPython and which machines PyPI has wheels. Nobody builds an engine from source.
 WHEELS = {
-    "pythoncdt": ((3, 10), (3, 15), {
-        "linux-x86_64", "linux-aarch64", "win-amd64", "macosx-x86_64", "macosx-arm64",
-    }),
+    "pythoncdt": (
+        (3, 10),
+        (3, 15),
+        {
+            "linux-x86_64",
+            "linux-aarch64",
+            "win-amd64",
+            "macosx-x86_64",
+            "macosx-arm64",
+        },
+    ),
     "triangle": ((3, 7), (3, 13), {"linux-x86_64", "win-amd64", "macosx-arm64"}),
 }
 
@@ -48,8 +56,11 @@ def engines_with_wheels(version=None, machine=None):
         return []
     version = tuple(version or sys.version_info[:2])
     machine = machine or _machine()
-    return [name for name, (first, last, machines) in WHEELS.items()
-            if first <= version <= last and machine in machines]
+    return [
+        name
+        for name, (first, last, machines) in WHEELS.items()
+        if first <= version <= last and machine in machines
+    ]
 
 
 def _machine():
@@ -103,8 +114,15 @@ def python_program(executable=None, prefix=None, system=None):
         return str(executable)
     prefix = Path(prefix or sys.prefix)
     version = ".".join(map(str, sys.version_info[:2]))
-    names = ("python3.exe", "python.exe") if system == "win32" else (
-        f"bin/python{version}", "bin/python3", f"MacOS/bin/python{version}", "MacOS/bin/python3",
+    names = (
+        ("python3.exe", "python.exe")
+        if system == "win32"
+        else (
+            f"bin/python{version}",
+            "bin/python3",
+            f"MacOS/bin/python{version}",
+            "MacOS/bin/python3",
+        )
     )
     # QGIS.app/Contents/MacOS/QGIS has its Python beside it, or in Contents/Frameworks
     for place in (prefix, executable.parent, *executable.parents[1:3]):

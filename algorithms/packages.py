@@ -75,7 +75,7 @@ def activate():
 
 def installed():
     """Return what is in the folder, as "name version"."""
-    names = sorted(path.name[:-len(".dist-info")] for path in folder().glob("*.dist-info"))
+    names = sorted(path.name[: -len(".dist-info")] for path in folder().glob("*.dist-info"))
     return [" ".join(name.rsplit("-", 1)) for name in names]
 
 
@@ -149,7 +149,11 @@ def find(name, numpy_version, get):
         if re.fullmatch(r"\d+(\.\d+)*", version) and fits_tags(parts[-3], parts[-2], parts[-1]):
             if accepts(file.get("requires-python") or "", platform.python_version()):
                 releases[numbers(version)] = Wheel(
-                    name, version, file["filename"], file["url"], file["hashes"]["sha256"],
+                    name,
+                    version,
+                    file["filename"],
+                    file["url"],
+                    file["hashes"]["sha256"],
                     int(file.get("size") or 0),
                 )
     for _, wheel in sorted(releases.items(), reverse=True)[:LOOK_AT]:
@@ -227,10 +231,15 @@ def accepts(specification, version):
         # 1.24 is 1.24.0
         long = max(len(own), len(wanted))
         a, b = (x + (0,) * (long - len(x)) for x in (own, wanted))
-        same = own[:len(wanted)] == wanted if text.endswith("*") else a == b
+        same = own[: len(wanted)] == wanted if text.endswith("*") else a == b
         right = {
-            ">=": a >= b, "<=": a <= b, ">": a > b, "<": a < b, "==": same, "!=": not same,
-            "~=": a >= b and own[:len(wanted) - 1] == wanted[:-1],
+            ">=": a >= b,
+            "<=": a <= b,
+            ">": a > b,
+            "<": a < b,
+            "==": same,
+            "!=": not same,
+            "~=": a >= b and own[: len(wanted) - 1] == wanted[:-1],
         }[operator]
         if not right:
             return False
@@ -281,7 +290,7 @@ class _Remote(io.RawIOBase):
             if len(data) > stop - lo:  # a server that does not know of ranges sends all
                 lo = 0
             self.known[lo] = data
-        found = data[self.at - lo:stop - lo]
+        found = data[self.at - lo : stop - lo]
         self.at += len(found)
         return found
 

@@ -63,9 +63,7 @@ def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
         lon, lat = np.radians(xy[:, 0]), np.radians(xy[:, 1])
         normal = a / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
         flat = normal * np.cos(lat)
-        return np.column_stack(
-            (flat * np.cos(lon), flat * np.sin(lon), normal * (1.0 - e2) * np.sin(lat))
-        )
+        return np.column_stack((flat * np.cos(lon), flat * np.sin(lon), normal * (1.0 - e2) * np.sin(lat)))
 
     def length(position, u, v):
         d = position[u]
@@ -78,9 +76,7 @@ def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
     def authalic(sin_lat):
         if e2 <= 0.0:
             return sin_lat
-        return (1.0 - e2) / 2.0 * (
-            sin_lat / (1.0 - e2 * sin_lat**2) + np.arctanh(e * sin_lat) / e
-        )
+        return (1.0 - e2) / 2.0 * (sin_lat / (1.0 - e2 * sin_lat**2) + np.arctanh(e * sin_lat) / e)
 
     def equal_area(xy):
         return a * np.column_stack((np.radians(xy[:, 0]), authalic(np.sin(np.radians(xy[:, 1])))))

@@ -13,8 +13,22 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-__all__ = ["Rings", "closed", "cycles", "following", "groups", "locate", "offsets_of", "one_polygon",
-           "previous", "ranges", "running", "shapes", "signed_areas", "take"]
+__all__ = [
+    "Rings",
+    "closed",
+    "cycles",
+    "following",
+    "groups",
+    "locate",
+    "offsets_of",
+    "one_polygon",
+    "previous",
+    "ranges",
+    "running",
+    "shapes",
+    "signed_areas",
+    "take",
+]
 
 
 class Rings(NamedTuple):
@@ -136,7 +150,7 @@ def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray
     (array([3, 4, 0, 1]), array([0, 2, 4]))
     """
     if len(which) and (np.diff(which) == 1).all():  # a run, often everything
-        own = offsets[which[0]:which[-1] + 2]
+        own = offsets[which[0] : which[-1] + 2]
         return np.arange(own[0], own[-1]), own - own[0]
     size = np.diff(offsets)[which]
     return ranges(offsets[:-1][which], size), offsets_of(size)
@@ -206,6 +220,7 @@ def locate(
     ...        np.array([2.5, 0.5]))
     array([1, 2])
     """
+
     def key(number, share):
         return (number << 41) + (share * 2.0**40).astype(np.int64)
 

@@ -37,8 +37,12 @@ def header(kind: int, count: int) -> bytes:
 
 
 def polygons(
-    coords: np.ndarray, rows: np.ndarray, offsets: np.ndarray, ring_offsets: np.ndarray,
-    extra: Sequence[int], multi: bool,
+    coords: np.ndarray,
+    rows: np.ndarray,
+    offsets: np.ndarray,
+    ring_offsets: np.ndarray,
+    extra: Sequence[int],
+    multi: bool,
 ) -> Iterator[bytes]:
     """Yield polygons of rings of rows.
 
@@ -72,10 +76,10 @@ def polygons(
         chunks.append(header(3 + more, hi - lo))
         narrower = width(more) != ordinates
         for ring in range(lo, hi):
-            part = raw[at[ring]:at[ring + 1]]
+            part = raw[at[ring] : at[ring + 1]]
             if narrower:
-                part = np.frombuffer(part).reshape(-1, ordinates)[:, :width(more)].tobytes()
-            chunks += (counts[4 * ring:4 * ring + 4], part)
+                part = np.frombuffer(part).reshape(-1, ordinates)[:, : width(more)].tobytes()
+            chunks += (counts[4 * ring : 4 * ring + 4], part)
         yield b"".join(chunks)
 
 
@@ -98,7 +102,7 @@ def lines(coords: np.ndarray, rows: np.ndarray, extra: Sequence[int]) -> Iterato
     ordinates = coords.shape[1]
     raw, step = coords[rows].tobytes(), 16 * ordinates
     for k, more in enumerate(extra):
-        part, own = raw[k * step:(k + 1) * step], width(more)
+        part, own = raw[k * step : (k + 1) * step], width(more)
         if own != ordinates:
             part = np.frombuffer(part).reshape(2, ordinates)[:, :own].tobytes()
         yield header(2 + more, 2) + part
@@ -147,17 +151,17 @@ class Runs:
         start, stops, pieces, done = 0, list(splits), [], 0
         for k, count in enumerate(self.counts):
             view = self._view(k)
-            view[:, :2] = xy[start:start + count]
+            view[:, :2] = xy[start : start + count]
             own = [one for one in stops if start <= one[0] < start + count]
             if own:
-                stops = stops[len(own):]
+                stops = stops[len(own) :]
                 place, size = self._places[k]
                 after = np.array([one[0] - start for one in own])
                 share = np.array([one[2] for one in own])[:, None]
                 more = view[after] + share * (view[after + 1] - view[after])
                 more[:, :2] = [one[1] for one in own]
                 longer = np.insert(view, after + 1, more, axis=0)
-                pieces += [bytes(self._data[done:place - 4]), _COUNT.pack(len(longer)), longer.tobytes()]
+                pieces += [bytes(self._data[done : place - 4]), _COUNT.pack(len(longer)), longer.tobytes()]
                 done = place + 8 * count * size
             start += count
         return b"".join(pieces + [bytes(self._data[done:])])

@@ -13,5 +13,18 @@ from ._focus import FocusMap, enlarge
 from .core.errors import IsthmusError
 
 __version__ = "0.2.0"
-__all__ = ["Candidates", "FocusMap", "IsthmusError", "Parts", "Pieces", "Regions", "aggregate", "enlarge",
-           "hierarchy", "partition", "partition_within", "prepare_aggregation", "tradeoff"]
+__all__ = [
+    "Candidates",
+    "FocusMap",
+    "IsthmusError",
+    "Parts",
+    "Pieces",
+    "Regions",
+    "aggregate",
+    "enlarge",
+    "hierarchy",
+    "partition",
+    "partition_within",
+    "prepare_aggregation",
+    "tradeoff",
+]

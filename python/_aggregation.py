@@ -165,7 +165,8 @@ def prepare_aggregation(
     fields = {
         "area_id": origin.ids[everything],
         "piece": np.append(np.arange(1.0, len(of) + 1.0), np.full(len(empty), np.nan))
-        if len(empty) else np.arange(1, len(of) + 1),
+        if len(empty)
+        else np.arange(1, len(of) + 1),
         "size": np.append(arranged.size, np.zeros(len(empty))),
         "status": np.append(verdicts, np.array([reasons[int(k)] for k in empty], dtype=object)),
     }
@@ -176,7 +177,9 @@ def prepare_aggregation(
         without = [k for k, one in enumerate(_classes(origin, class_)[1]) if one is None]
         _kinds.tell(origin, dict.fromkeys(without, "no class"), "will be left as they are by aggregation")
     neighbours = {
-        "a": pairs[:, 0] + 1, "b": pairs[:, 1] + 1, "length": length,
+        "a": pairs[:, 0] + 1,
+        "b": pairs[:, 1] + 1,
+        "length": length,
         "virtual": (of[pairs[:, 0]] == of[pairs[:, 1]]).astype(np.int64),
     }
     return Pieces(_kinds.result(origin, shapes, everything, fields), fields, neighbours)
@@ -269,8 +272,10 @@ def aggregate(
     (['wood', 'meadow'], [2, 1])
     """
     for one, name, known in (
-        (distance, "distance", DISTANCES), (weights, "weights", tuple(PRESETS)),
-        (boundary, "boundary", BOUNDARIES), (method, "method", METHODS),
+        (distance, "distance", DISTANCES),
+        (weights, "weights", tuple(PRESETS)),
+        (boundary, "boundary", BOUNDARIES),
+        (method, "method", METHODS),
     ):
         _kinds.one_of(one, name, known)
     if distance == "table" and distances is None:
@@ -280,8 +285,13 @@ def aggregate(
         for own, usual in zip((weight_change, weight_boundary, weight_centre), PRESETS[weights])
     ]
     for value, name in (
-        (threshold, "threshold"), (weight[0], "weight_change"), (weight[1], "weight_boundary"),
-        (weight[2], "weight_centre"), (seconds, "seconds"), (seed, "seed"), (iterations, "iterations"),
+        (threshold, "threshold"),
+        (weight[0], "weight_change"),
+        (weight[1], "weight_boundary"),
+        (weight[2], "weight_centre"),
+        (seconds, "seconds"),
+        (seed, "seed"),
+        (iterations, "iterations"),
         (regions, "regions"),
     ):
         _kinds.least(value, name, 0.0)
@@ -290,12 +300,15 @@ def aggregate(
     sources, size_column = _sources(origin, area_id)
     found = _geometry.read_polygons(origin.geometries)
     arranged = core.arrange(
-        range(len(texts)), found.rings, found.owner, _kinds.measure_of(origin.crs),
+        range(len(texts)),
+        found.rings,
+        found.owner,
+        _kinds.measure_of(origin.crs),
         _kinds.metres_of(origin.crs),
     )
-    left = core.reasons_of(arranged, texts, [
-        "it has no geometry" if one is None else "it is empty" for one in origin.geometries
-    ])
+    left = core.reasons_of(
+        arranged, texts, ["it has no geometry" if one is None else "it is empty" for one in origin.geometries]
+    )
     _kinds.tell(origin, left, "are left as they are")
     invalid = set(core.invalid(arranged).tolist()) - set(left)
     _kinds.tell(origin, dict.fromkeys(sorted(invalid), "not valid"), "may have a wrong size or neighbours")
@@ -327,7 +340,11 @@ def aggregate(
         _kinds.tell(origin, some, "are cores of a region that could not be helped")
     cost = costs(problem, best)
     return Regions(
-        written, region_fields, assigned, assignment_fields, cost,
+        written,
+        region_fields,
+        assigned,
+        assignment_fields,
+        cost,
         None if result is None else float(min(result.bound, cost.total)),
         {name: (gone, of) for name, gone, of in lost_areas(problem, best, sources, names)},
     )
@@ -366,9 +383,7 @@ class _Regions(NamedTuple):
         shapes = self._joined(self.out.merged)
         groups = list(self.out.groups.items())
         first = np.array([group[0] for _, group in groups], dtype=np.int64)
-        geometry = self._shapes([
-            (group, shapes.get(number)) for number, (_, group) in enumerate(groups)
-        ])
+        geometry = self._shapes([(group, shapes.get(number)) for number, (_, group) in enumerate(groups)])
         rows = []
         for (_, r), group in groups:
             k = group[0]
@@ -380,13 +395,19 @@ class _Regions(NamedTuple):
                 rows.append((r + 1, self.values[kept], changed, self.out.faults.get(r, "")))
         region, kept_class, changed_class, status = zip(*rows) if rows else ((), (), (), ())
         fields = {
-            "region": np.array(region), "new_class": _object_array(kept_class),
-            "changed": np.array(changed_class, dtype=np.int64), "status": _object_array(status),
+            "region": np.array(region),
+            "new_class": _object_array(kept_class),
+            "changed": np.array(changed_class, dtype=np.int64),
+            "status": _object_array(status),
         }
         made = _kinds.result(self.origin, geometry, first, fields)
         if size_column is not None:
-            made[size_column] = [float(self.areas.size[group].sum()) if len(group) > 1
-                                 else self.origin.origin[size_column].iloc[group[0]] for _, group in groups]
+            made[size_column] = [
+                float(self.areas.size[group].sum())
+                if len(group) > 1
+                else self.origin.origin[size_column].iloc[group[0]]
+                for _, group in groups
+            ]
         return made, fields
 
     @property
@@ -411,8 +432,11 @@ class _Regions(NamedTuple):
             else:
                 rings = [ring for polygon in polygons for ring in polygon]
                 parts = _geometry.polygons(
-                    coords, np.concatenate(rings), core.offsets_of([len(ring) for ring in rings]),
-                    core.offsets_of([len(polygon) for polygon in polygons]), np.full(len(polygons), extra),
+                    coords,
+                    np.concatenate(rings),
+                    core.offsets_of([len(ring) for ring in rings]),
+                    core.offsets_of([len(polygon) for polygon in polygons]),
+                    np.full(len(polygons), extra),
                 )
                 made[k] = parts[0] if len(parts) == 1 else shapely.multipolygons(parts)
         return made

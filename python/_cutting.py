@@ -383,8 +383,12 @@ def hierarchy(
         extra = chunk.extra[items.feature]
 
         def made(
-            which: np.ndarray, rows: np.ndarray, offsets: np.ndarray, ring_offsets: np.ndarray,
-            chunk: Chunk = chunk, extra: np.ndarray = extra,
+            which: np.ndarray,
+            rows: np.ndarray,
+            offsets: np.ndarray,
+            ring_offsets: np.ndarray,
+            chunk: Chunk = chunk,
+            extra: np.ndarray = extra,
         ) -> Iterator:
             return iter(_geometry.polygons(chunk.rings.coords, rows, offsets, ring_offsets, extra[which]))
 
@@ -393,8 +397,11 @@ def hierarchy(
         geometry[whole] = shapes[items.whole[whole]]
         status = np.where(whole, problem.verdict[items.whole], "")
         fields = {
-            "part": items.number, "parent": np.where(items.parent, items.parent, np.nan),
-            "level": items.level, "from_tau": items.from_tau, "to_tau": items.to_tau,
+            "part": items.number,
+            "parent": np.where(items.parent, items.parent, np.nan),
+            "level": items.level,
+            "from_tau": items.from_tau,
+            "to_tau": items.to_tau,
         }
         reasons = _reasons(origin, problem)
         # of a feature of which nothing is solved there is one piece, as it came
@@ -402,8 +409,10 @@ def hierarchy(
         kept = ~nothing[items.feature]
         alone = np.flatnonzero(nothing)
         ones = {
-            "part": np.ones(len(alone), dtype=np.int64), "parent": np.full(len(alone), np.nan),
-            "level": np.zeros(len(alone), dtype=np.int64), "from_tau": nested.tau[alone],
+            "part": np.ones(len(alone), dtype=np.int64),
+            "parent": np.full(len(alone), np.nan),
+            "level": np.zeros(len(alone), dtype=np.int64),
+            "from_tau": nested.tau[alone],
             "to_tau": np.full(len(alone), nesting.NO_END),
         }
         why = [reasons[int(f)] for f in chunk.features[alone]]
@@ -438,14 +447,21 @@ class _Settings(NamedTuple):
         left = [(k, "it is not one straight line between two points") for k in self.bent]
         left += self.lines.left_out()
         if left:
-            some = "; ".join(f"{k}: {reason}" for k, reason in left[:_kinds.NAMED])
+            some = "; ".join(f"{k}: {reason}" for k, reason in left[: _kinds.NAMED])
             more = " ..." if len(left) > _kinds.NAMED else ""
             _kinds.warn(f"{len(left)} candidate lines were left out: {some}{more}.")
 
 
 def _settings(
-    origin: Source, objective: str, weight: Callable | None, places: str, smallest_part: Any,
-    min_length: Any, min_hole: Any, candidates: Any, new_vertices: bool,
+    origin: Source,
+    objective: str,
+    weight: Callable | None,
+    places: str,
+    smallest_part: Any,
+    min_length: Any,
+    min_hole: Any,
+    candidates: Any,
+    new_vertices: bool,
 ) -> _Settings:
     _kinds.one_of(objective, "objective", OBJECTIVES)
     _kinds.one_of(places, "places", PLACES)
@@ -463,7 +479,9 @@ def _settings(
     floors = {
         name: _kinds.numbers(origin, value, name)
         for name, value in (
-            ("smallest_part", smallest_part), ("min_length", min_length), ("min_hole", min_hole)
+            ("smallest_part", smallest_part),
+            ("min_length", min_length),
+            ("min_hole", min_hole),
         )
     }
     return _Settings(places == "Natural", new_vertices, floors, lines, bent, weigh)
@@ -491,9 +509,7 @@ def _weigher(origin: Source, lines: GivenLines | None, weight: Callable) -> Call
         polygon = prepared.polygons.number[prepared.owner]
         line = np.full(len(polygon), None, dtype=object)
         if lines is not None and near is not None and prepared.edge_line is not None:
-            line[:] = [
-                lines.ids[near[p][k]] for p, k in zip(polygon.tolist(), prepared.edge_line.tolist())
-            ]
+            line[:] = [lines.ids[near[p][k]] for p, k in zip(polygon.tolist(), prepared.edge_line.tolist())]
         ends = chunk.rings.coords[prepared.edge_rows, :2]
         one = Candidates(
             prepared.chord, prepared.detour, ends, ids[chunk.features[chunk.owner[polygon]]], line
@@ -523,10 +539,17 @@ def _problems(origin: Source, settings: _Settings) -> Iterator[tuple[Problem, np
         if chunk.measure is not measure:
             strange.update(dict.fromkeys(np.asarray(chunk.features).tolist(), "a latitude beyond 90 degrees"))
         floors = {name: values[chunk.features] for name, values in settings.floors.items()}
-        yield features.prepare(
-            chunk, natural=settings.natural, lines=settings.lines, new_vertices=settings.new_vertices,
-            weigh=settings.weigh, **floors
-        ), shapes
+        yield (
+            features.prepare(
+                chunk,
+                natural=settings.natural,
+                lines=settings.lines,
+                new_vertices=settings.new_vertices,
+                weigh=settings.weigh,
+                **floors,
+            ),
+            shapes,
+        )
     _kinds.tell(origin, strange, "are measured in the plane (is the CRS right?)")
 
 
@@ -587,10 +610,18 @@ def _cut(
         out.add_lines("cuts", problem, chosen, owner, {**more, "detour": _finite(more["detour"])})
         if diagonals:
             chosen = np.flatnonzero(problem.solved[solution.owner])
-            out.add_lines("diagonals", problem, chosen, problem.owner[solution.owner[chosen]], {
-                "length": solution.length[chosen], "detour": _finite(solution.detour[chosen]),
-                "dilation": np.asarray(solution.dilation)[chosen], "role": ROLES[solution.role[chosen]],
-            })
+            out.add_lines(
+                "diagonals",
+                problem,
+                chosen,
+                problem.owner[solution.owner[chosen]],
+                {
+                    "length": solution.length[chosen],
+                    "detour": _finite(solution.detour[chosen]),
+                    "dilation": np.asarray(solution.dilation)[chosen],
+                    "role": ROLES[solution.role[chosen]],
+                },
+            )
     _kinds.tell(origin, ended, "were solved to the limit of time")
     names = ("part", "parts", "status", "cost", "gap", "source") + ("tau",) * with_tau
     return out.results(settings, names)
@@ -642,9 +673,7 @@ class _Out:
     ) -> None:
         """Add cuts or diagonals."""
         chunk = problem.chunk
-        made = _geometry.lines(
-            chunk.rings.coords, problem.prepared.edge_rows[edges], chunk.extra[feature]
-        )
+        made = _geometry.lines(chunk.rings.coords, problem.prepared.edge_rows[edges], chunk.extra[feature])
         self.layers[name].append((chunk.features[feature], made, fields))
 
     def results(self, settings: _Settings, names: Sequence[str]) -> Parts:

@@ -129,7 +129,8 @@ def enlarge(
     for k in wrong:
         runs[k] = Runs(b"")
     _kinds.tell(
-        origin, dict.fromkeys(wrong, f"coordinates that are not finite or larger than {FARTHEST:g}"),
+        origin,
+        dict.fromkeys(wrong, f"coordinates that are not finite or larger than {FARTHEST:g}"),
         "are left where they are",
     )
     counts = [count for one in runs for count in one.counts]
@@ -149,14 +150,23 @@ def enlarge(
         share, aspect = on_the_globe(rows, share)
     rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
     result = solve(
-        rows, np.append(0, np.cumsum(counts)), polygons, _region(_of_crs(focus, origin, "focus")), scale,
-        edges=given, rule=rule, tau=tau, frame=frame, growth=share, aspect=aspect,
+        rows,
+        np.append(0, np.cumsum(counts)),
+        polygons,
+        _region(_of_crs(focus, origin, "focus")),
+        scale,
+        edges=given,
+        rule=rule,
+        tau=tau,
+        frame=frame,
+        growth=share,
+        aspect=aspect,
     )
     if in_degrees and not (np.abs(result.rows) <= (180.0, 90.0)).all():
         raise Unsolvable("The map would grow beyond the globe. Keep its extent (frame).")
     if len(result.skipped):
         more = " ..." * (len(result.skipped) > _kinds.NAMED)
-        _kinds.warn(f"No relevant edges for {'; '.join(result.skipped[:_kinds.NAMED])}{more}.")
+        _kinds.warn(f"No relevant edges for {'; '.join(result.skipped[: _kinds.NAMED])}{more}.")
     carrier = Carrier(result.points, result.moved, result.triangles)
     before, after = (
         np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
@@ -188,11 +198,14 @@ def _moved(geometries: np.ndarray, runs: list[Runs], result: Any) -> np.ndarray:
         if not count:
             continue
         lo, hi = row.searchsorted((start, start + count))
-        splits = list(zip(
-            (row[lo:hi].astype(int) - start).tolist(),
-            result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
-        ))
-        made[k] = shapely.from_wkb(one.moved(result.rows[start:start + count], splits))
+        splits = list(
+            zip(
+                (row[lo:hi].astype(int) - start).tolist(),
+                result.moved[vertex[lo:hi].astype(int)].tolist(),
+                share[lo:hi].tolist(),
+            )
+        )
+        made[k] = shapely.from_wkb(one.moved(result.rows[start : start + count], splits))
         start += count
     return made
 
@@ -207,7 +220,8 @@ def _of_crs(data: Any, origin: Source, what: str) -> Source:
 def _region(focus: Source) -> Any:
     """The region in focus."""
     found = [
-        shapely.force_2d(one) for one in focus.geometries
+        shapely.force_2d(one)
+        for one in focus.geometries
         if one is not None and not one.is_empty and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
     ]
     if not found:
@@ -221,7 +235,7 @@ def _given(lines: Source, rows: np.ndarray, match: Any) -> np.ndarray:
     for geometry in lines.geometries:
         one, start = _runs(geometry), 0
         for count in one.counts:
-            line = one.xy[start:start + count]
+            line = one.xy[start : start + count]
             line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
             ends.append(np.stack((line[:-1], line[1:]), axis=1))
             start += count

@@ -62,9 +62,13 @@ def source(data: Any, crs: Any = None, what: str = "polygons") -> Source:
     if isinstance(data, shapely.Geometry):
         return Source(np.array([data], dtype=object), data, "geometry", _crs(crs))
     own = getattr(data, "crs", None)
-    kind = "frame" if hasattr(data, "columns") else "series" if hasattr(data, "index") and not isinstance(
-        data, (list, tuple)
-    ) else "array"
+    kind = (
+        "frame"
+        if hasattr(data, "columns")
+        else "series"
+        if hasattr(data, "index") and not isinstance(data, (list, tuple))
+        else "array"
+    )
     values = data
     if kind == "frame":
         if not hasattr(data, "geometry"):
@@ -115,7 +119,11 @@ def metres_of(crs: Any) -> float:
 
 
 def result(
-    origin: Source, geometries: np.ndarray, feature: np.ndarray, fields: dict[str, np.ndarray], *,
+    origin: Source,
+    geometries: np.ndarray,
+    feature: np.ndarray,
+    fields: dict[str, np.ndarray],
+    *,
     with_own: bool = True,
 ) -> Any:
     """Return geometries as the kind that was given.

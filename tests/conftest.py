@@ -26,7 +26,8 @@ def _load(name, root, *more):
 
 def pytest_addoption(parser):
     parser.addoption(
-        "--engine", choices=("triangle", "pythoncdt", "shapely"),
+        "--engine",
+        choices=("triangle", "pythoncdt", "shapely"),
         help="triangulate by this engine alone, as if no other were installed",
     )
 

@@ -52,7 +52,12 @@ CHOSEN = {
     "README.md": ["0.1 %"],  # the gap that is asked for
     "docs/gallery.md": ["180 degrees"],  # where the data end
     "docs/choosing_tau.md": [  # rows and settings of the tables
-        "20 km", "10,000 km²", "0.2 %", "1,000 km²", "60 km", "2 %",
+        "20 km",
+        "10,000 km²",
+        "0.2 %",
+        "1,000 km²",
+        "60 km",
+        "2 %",
     ],
 }
 
@@ -179,9 +184,7 @@ def value_fits(parameter, value):
 def command_lines(text, model=False):
     """Return the qgis_process commands of a page that run tools, or models, as lists of words."""
     lines = [
-        line.strip()
-        for block in code_blocks(text)
-        for line in re.sub(r"\\\n\s*", "", block).splitlines()
+        line.strip() for block in code_blocks(text) for line in re.sub(r"\\\n\s*", "", block).splitlines()
     ]
     return [
         shlex.split(line) for line in lines if "qgis_process run " in line and (".model3" in line) == model
@@ -192,7 +195,7 @@ def command_problems(text, facts):
     """Commands with tools, parameters or values that are not there."""
     problems = []
     for words in command_lines(text):
-        tool, *rest = words[words.index("run") + 1:]
+        tool, *rest = words[words.index("run") + 1 :]
         if tool not in facts:
             problems.append(f"there is no tool {tool}")
             continue
@@ -243,7 +246,7 @@ def picture_problems(name, text, root=ROOT):
             problems.append(f"{match[2]} is larger than 1280 pixels or 250 kB")
         if not match[1]:
             problems.append(f"{match[2]} has no text for those who do not see it")
-        section = text[match.end():].partition("\n## ")[0]
+        section = text[match.end() :].partition("\n## ")[0]
         script, word = maker(path, root)
         if not script or word not in section + text.partition("\n## ")[0]:
             problems.append(f"{match[2]} has no word beside it of what makes it ({script or 'nothing'})")
@@ -489,7 +492,7 @@ def test_commands_for_real(qgis_process, tmp_path):
     gallery = shlex.split(result["command"].replace("\\\n", ""))
     assert gallery[:2] == ["./run", "qgis_process"] and gallery in command_lines(page("docs/gallery.md"))
     answer = qgis_process("run", "--json", *gallery[3:], folder=tmp_path)
-    found = json.loads(answer[answer.index("{"):])["results"]
+    found = json.loads(answer[answer.index("{") :])["results"]
     assert (found["PART_COUNT"], found["CUT_COUNT"]) == (result["parts"], result["cuts"])
     assert found["CUT_LENGTH"] / 1000 == pytest.approx(result["km"], abs=0.001)
 

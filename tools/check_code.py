@@ -1,8 +1,8 @@
 """Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
 
-Lint and the order of imports by ruff, types in core and in the Python package by mypy, and here that what is
-public in core/ and python/ says the types of all it takes and returns. Prints what it checked; exits with
-1 if there is a fault.
+Lint, the order of imports and the format by ruff, types in core and in the Python package by mypy, and here
+that what is public in core/ and python/ says the types of all it takes and returns. Prints what it checked;
+exits with 1 if there is a fault.
 """
 
 import argparse
@@ -60,7 +60,9 @@ def annotation_faults(folder):
 def output(programs, folder, name, *arguments):
     """Return the lines that a program prints of its findings."""
     try:
-        done = subprocess.run([programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8")
+        done = subprocess.run(
+            [programs / name, *arguments], cwd=folder, capture_output=True, encoding="utf-8"
+        )
     except OSError as error:
         return [f"{name} does not start: {error}"]
     if done.returncode not in (0, 1):
@@ -86,6 +88,7 @@ def main():
 
     checks = {
         "ruff": output(programs, folder, "ruff", "check", "--quiet", "--output-format=concise", "."),
+        "format": output(programs, folder, "ruff", "format", "--check", "."),
         "mypy": output(programs, folder, "mypy", "--no-error-summary"),
         "types of what is public": annotation_faults(folder),
     }

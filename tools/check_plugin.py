@@ -81,7 +81,7 @@ def zip_faults(path):
             except (configparser.Error, UnicodeDecodeError) as error:
                 found.append(f"metadata.txt cannot be read: {error}")
             else:
-                found += metadata_faults(metadata, {name[len(folder) + 1:] for name in files})
+                found += metadata_faults(metadata, {name[len(folder) + 1 :] for name in files})
         init = f"{folder}/__init__.py"
         if init in files and b"def classFactory(" not in archive.read(init):
             found.append("__init__.py has no function classFactory")
@@ -156,8 +156,16 @@ def metadata_faults(metadata, files):
         rule(key, lambda text: text.lower() in ("true", "false", "yes", "no"), "is neither True nor False")
     for key in URLS:
         rule(key, is_url, "is no web address")
-    rule("homepage", lambda text: not is_root(text, metadata.get("repository", "")), "is the root of a repository")
-    rule("about", lambda text: len(text) <= ONE_BREATH and "\n" not in text, f"has more than {ONE_BREATH} characters")
+    rule(
+        "homepage",
+        lambda text: not is_root(text, metadata.get("repository", "")),
+        "is the root of a repository",
+    )
+    rule(
+        "about",
+        lambda text: len(text) <= ONE_BREATH and "\n" not in text,
+        f"has more than {ONE_BREATH} characters",
+    )
     if not metadata.get("changelog", "").strip():
         found.append("metadata: changelog is missing or empty")
     elif metadata.get("version", "") not in metadata["changelog"]:
@@ -180,7 +188,9 @@ def is_root(text, repository):
     parsed = urlparse(text)
     parts = [part for part in parsed.path.split("/") if part]
     forge = re.search(r"(^|\.)(github|gitlab|codeberg|bitbucket)\.(com|org)$", parsed.hostname or "")
-    return text.rstrip("/") == repository.rstrip("/") or bool(forge) and len(parts) <= 2 and not parsed.fragment
+    return (
+        text.rstrip("/") == repository.rstrip("/") or bool(forge) and len(parts) <= 2 and not parsed.fragment
+    )
 
 
 def is_url(text):

@@ -55,7 +55,7 @@ class Stubs:
         for k, name in enumerate(names):
             node, container = self._member(node, name), node
             if node is None:
-                return f"Qt 6 has no {'.'.join([module, *names[:k + 1]])}{self._hint(container, name)}"
+                return f"Qt 6 has no {'.'.join([module, *names[: k + 1]])}{self._hint(container, name)}"
             if not isinstance(node, ast.ClassDef):
                 break  # a function, a value: what it has is not in the stubs
         return ""
@@ -82,9 +82,7 @@ class Stubs:
         if isinstance(container, ast.Module):
             homes = [m for m, tree in self.modules.items() if self._member(tree, name)]
             return f"; it is in {' and '.join(homes)}" if homes else ""
-        homes = [
-            n.name for n in container.body if isinstance(n, ast.ClassDef) and self._member(n, name)
-        ]
+        homes = [n.name for n in container.body if isinstance(n, ast.ClassDef) and self._member(n, name)]
         return f"; write {container.name}.{homes[0]}.{name}" if homes else ""
 
 

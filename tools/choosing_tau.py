@@ -16,7 +16,21 @@ import gallery
 import numpy as np
 import shapely
 from gallery import gshhg
-from maps import BUILD, EVERY_DIAGONAL, INK, PICTURES, ROOT, opened, run, save, saved, shapes, start, stop, world
+from maps import (
+    BUILD,
+    EVERY_DIAGONAL,
+    INK,
+    PICTURES,
+    ROOT,
+    opened,
+    run,
+    save,
+    saved,
+    shapes,
+    start,
+    stop,
+    world,
+)
 from measured import note
 from qgis.core import QgsFeatureRequest
 from qgis.PyQt.QtCore import QPointF, QRectF, Qt
@@ -85,9 +99,7 @@ class Outline:
                 continue
             u, v = (side.ravel() for side in np.meshgrid(u, v, indexing="ij"))
             way, chord = self.ways(place, along, u, v)
-            nearest = [
-                np.argmin(np.linalg.norm(place - end, axis=1), keepdims=True) for end in ends
-            ]
+            nearest = [np.argmin(np.linalg.norm(place - end, axis=1), keepdims=True) for end in ends]
             wanted, _ = self.ways(place, along, *nearest)
             same = (way >= wanted / 2) & (way <= wanted * 2) & (chord > 0.0)
             if not same.any():
@@ -133,9 +145,7 @@ def necks():
 
     labels = list(outlines)
     every = [name for name in order if all(found[name].values())]
-    medians = {
-        label: statistics.median(found[name][label][0] for name in every) for label in labels
-    }
+    medians = {label: statistics.median(found[name][label][0] for name in every) for label in labels}
     own = [found[name]["QGIS's map"][0] for name in order]
     noted = {
         "necks": {
@@ -158,9 +168,7 @@ def necks():
     for label, value in medians.items():
         if label in RESOLUTIONS:
             noted[f"median_{RESOLUTIONS[label]}"] = round(value, 2)
-    picture = {
-        name: [found[name][label][0] for label in labels[1:]] for name in every
-    }
+    picture = {name: [found[name][label][0] for label in labels[1:]] for name in every}
     return noted, (labels[1:], picture, [medians[label] for label in labels[1:]])
 
 
@@ -225,8 +233,7 @@ def curves():
         **{f"MIN_LENGTH {km} km": curve(western, MIN_LENGTH=1000 * km) for km in (5, 20, 50)},
     }
     vertices = {
-        name: int(sum(shapely.get_num_coordinates(shapes(opened(path))) - 1))
-        for name, path in paths.items()
+        name: int(sum(shapely.get_num_coordinates(shapes(opened(path))) - 1)) for name, path in paths.items()
     }
     draw_curves(plain, floors)
 
@@ -443,7 +450,7 @@ def draw_necks(letters, found, medians):
     )  # fmt: skip
     for values in found.values():
         plot.line([plot.at(10.0**k, value) for k, value in enumerate(values)], "#b9c6cf", 1.4)
-    for (name, colour) in zip(SHOWN, COLOURS):
+    for name, colour in zip(SHOWN, COLOURS):
         if name in found:
             points = [plot.at(10.0**k, value) for k, value in enumerate(found[name])]
             plot.line(points, colour, 2.2)

@@ -56,13 +56,16 @@ def main():
     count = layers[1].featureCount()
     save_project(layers)
     if "--note" in sys.argv:
-        note("demo", {
-            "countries": count,
-            "parts": results["PART_COUNT"],
-            "cuts": results["CUT_COUNT"],
-            "km": round(results["CUT_LENGTH"] / 1000, 1),
-            "seconds": round(seconds, 1),
-        })
+        note(
+            "demo",
+            {
+                "countries": count,
+                "parts": results["PART_COUNT"],
+                "cuts": results["CUT_COUNT"],
+                "km": round(results["CUT_LENGTH"] / 1000, 1),
+                "seconds": round(seconds, 1),
+            },
+        )
     app.exitQgis()
 
     print(
@@ -83,7 +86,7 @@ def partition(world):
         "run", "--json", "isthmus:partition", "--",
         f"INPUT={world}|layername=countries", f"OUTPUT={PARTS}", f"CUTS={CUTS}",
     )  # fmt: skip
-    return json.loads(answer[answer.index("{"):])["results"], time.monotonic() - start
+    return json.loads(answer[answer.index("{") :])["results"], time.monotonic() - start
 
 
 def qgis_process(*arguments):

@@ -43,7 +43,9 @@ def main():
     """Start QGIS as a new user has it, with this file inside."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
-    plain = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "QGIS_PLUGINPATH")}
+    plain = {
+        name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "QGIS_PLUGINPATH")
+    }
     with tempfile.TemporaryDirectory() as home:
         scratch, start = Path(home, "scratch"), Path(home, "start.py")
         scratch.mkdir()
@@ -113,7 +115,9 @@ class Walk(window.Stage):
         there = [name for name in ABSENT if importlib.util.find_spec(name)]
         if there or project.mapLayers():
             raise RuntimeError(f"not what a new user has: {there}")
-        self.say(f"QGIS {Qgis.QGIS_VERSION.split('-')[0]}, Python {sys.version.split()[0]}, none of: {', '.join(ABSENT)}")
+        self.say(
+            f"QGIS {Qgis.QGIS_VERSION.split('-')[0]}, Python {sys.version.split()[0]}, none of: {', '.join(ABSENT)}"
+        )
         began = time.monotonic()
         yield from self.click("Plugins")
         yield from self.click("Manage and Install Plugins")
@@ -170,17 +174,28 @@ class Walk(window.Stage):
             top = widget.window()
             if not widget.isVisible() or not widget.isEnabled():
                 continue
-            if menu is not None and not isinstance(widget, QMenu) or modal not in (None, top) and menu is None:
+            if (
+                menu is not None
+                and not isinstance(widget, QMenu)
+                or modal not in (None, top)
+                and menu is None
+            ):
                 continue
             areas = []
             if kind is not None:
                 if isinstance(widget, kind) and widget.parent().inherits("QgsFileWidget"):
                     areas = [widget.rect()]
             elif isinstance(widget, (QMenu, QMenuBar)):
-                areas = [widget.actionGeometry(one) for one in widget.actions() if same(one.text()) and one.isEnabled()]
+                areas = [
+                    widget.actionGeometry(one)
+                    for one in widget.actions()
+                    if same(one.text()) and one.isEnabled()
+                ]
             elif isinstance(widget, QListWidget):
                 items = (widget.item(row) for row in range(widget.count()))
-                areas = [widget.visualItemRect(one) for one in items if same(one.text()) and not one.isHidden()]
+                areas = [
+                    widget.visualItemRect(one) for one in items if same(one.text()) and not one.isHidden()
+                ]
                 widget = widget.viewport()
             elif isinstance(widget, QAbstractButton) and same(widget.text() or widget.toolTip()):
                 areas = [widget.rect()]
@@ -206,7 +221,9 @@ class Walk(window.Stage):
             painter.drawEllipse(point - frame.topLeft(), 22, 22)
             painter.end()
         # 256 colours: a fifth of the size
-        small = image.toImage().convertToFormat(QImage.Format.Format_Indexed8, Qt.ImageConversionFlag.ThresholdDither)
+        small = image.toImage().convertToFormat(
+            QImage.Format.Format_Indexed8, Qt.ImageConversionFlag.ThresholdDither
+        )
         small.save(str(self.out / f"{name}.png"))
 
 

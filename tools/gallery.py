@@ -189,9 +189,7 @@ def western_europe():
                 ("Calabria", 17.9, 38.4, {"size": 8}), ("Greece", 21.3, 39.75, {"size": 10}),
                 ("Peloponnese", 19.2, 37.0, {"size": 8}),
             ]  # fmt: skip
-        title = (
-            f"{objective}: {noted[objective]['cuts']} cuts, {noted[objective]['km']:,.0f} km in all"
-        )
+        title = f"{objective}: {noted[objective]['cuts']} cuts, {noted[objective]['km']:,.0f} km in all"
         panels.append(
             Panel(
                 [line(cuts), coloured(parts, cuts, LAND_PARTS), around],
@@ -416,10 +414,7 @@ def floor_plan():
         del noted[wrong]
     noted["min_hole_m2"] = smallest
     noted["metres"] = round(sum(f["length"] for f in cuts.getFeatures()), 3)
-    names = [
-        (name, box.centroid.x, box.centroid.y, {"size": 9, "halo": ""})
-        for name, box in rooms.items()
-    ]
+    names = [(name, box.centroid.x, box.centroid.y, {"size": 9, "halo": ""}) for name, box in rooms.items()]
     picture(
         "floor_plan",
         [Panel([line(cuts, width=0.7), coloured(parts, cuts, LAND_PARTS, "#4a463f", 0.25),

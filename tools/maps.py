@@ -152,9 +152,7 @@ def world():
     folder = Path(tempfile.mkdtemp())
     atexit.register(shutil.rmtree, folder, True)
     copy = folder / "world_map.gpkg"
-    shutil.copyfile(
-        Path(QgsApplication.pkgDataPath()) / "resources" / "data" / "world_map.gpkg", copy
-    )
+    shutil.copyfile(Path(QgsApplication.pkgDataPath()) / "resources" / "data" / "world_map.gpkg", copy)
     return opened(f"{copy}|layername=countries")
 
 
@@ -169,9 +167,7 @@ def opened(source):
 def shapes(layer, request=None):
     """Return the geometries of a layer as shapely's."""
     features = layer.getFeatures(request or QgsFeatureRequest())
-    return shapely.from_wkb(
-        [bytes(f.geometry().asWkb()) for f in features if f.hasGeometry()]
-    )
+    return shapely.from_wkb([bytes(f.geometry().asWkb()) for f in features if f.hasGeometry()])
 
 
 def memory(kind, geometries, crs=DEGREES, **fields):
@@ -206,9 +202,7 @@ def saved(path, geometries, crs=DEGREES, **fields):
     options.layerName = path.stem
     kind = "MultiPolygon" if any(g.geom_type == "MultiPolygon" for g in geometries) else "Polygon"
     layer = memory(kind, geometries, crs, **fields)
-    problem = QgsVectorFileWriter.writeAsVectorFormatV3(
-        layer, str(path), layer.transformContext(), options
-    )
+    problem = QgsVectorFileWriter.writeAsVectorFormatV3(layer, str(path), layer.transformContext(), options)
     if problem[0] != QgsVectorFileWriter.WriterError.NoError:
         sys.exit(f"{path}: {problem[1]}")
     return path
@@ -234,9 +228,7 @@ def fill(layer, colour, outline="transparent", width=0.15):
 
 def line(layer, colour=CUT, width=0.45):
     """Draw all lines alike; return the layer."""
-    symbol = QgsLineSymbol.createSimple(
-        {"line_color": colour, "line_width": str(width), "capstyle": "round"}
-    )
+    symbol = QgsLineSymbol.createSimple({"line_color": colour, "line_width": str(width), "capstyle": "round"})
     layer.setRenderer(QgsSingleSymbolRenderer(symbol))
     return layer
 
@@ -343,9 +335,7 @@ def picture(name, panels, width=1200, gap=10, dpi=110, title_height=34, footer="
     image = QImage(width, height + below, QImage.Format.Format_RGB32)
     image.fill(QColor("white"))
     painter = QPainter(image)
-    painter.setRenderHints(
-        QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing
-    )
+    painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
     left = 0
     for k, (panel, share) in enumerate(zip(panels, shares)):
         wide = width - left if k == len(panels) - 1 else round(share * height)
@@ -382,9 +372,7 @@ def _paint(painter, panel, left, wide, height, dpi):
     painter.setClipRect(QRectF(left, 0, wide, height))
     painter.drawImage(left, 0, job.renderedImage())
     painter.translate(left, 0)
-    to_map = QgsCoordinateTransform(
-        system(panel.names_crs), system(panel.crs), QgsProject.instance()
-    )
+    to_map = QgsCoordinateTransform(system(panel.names_crs), system(panel.crs), QgsProject.instance())
     pixels = settings.mapToPixel()
     for text, x, y, *more in panel.names:
         place = pixels.transform(to_map.transform(QgsPointXY(x, y)))
@@ -444,9 +432,7 @@ def _scale(painter, panel, settings, wide, height):
     pen = QPen(QColor(INK), 1.6)
     pen.setCapStyle(Qt.PenCapStyle.FlatCap)
     painter.setPen(pen)
-    painter.drawPolyline(
-        QPointF(x, y - 5), QPointF(x, y), QPointF(x + pixels, y), QPointF(x + pixels, y - 5)
-    )
+    painter.drawPolyline(QPointF(x, y - 5), QPointF(x, y), QPointF(x + pixels, y), QPointF(x + pixels, y - 5))
     _name(painter, text, x + pixels / 2, y - 12, size=9)
 
 
@@ -466,4 +452,3 @@ def save(image, path, colours=256):
     best = exact[order[first]][np.argsort(-total)[:colours]]
     table = [int(0xFF000000 | c) for c in best]
     image.convertToFormat(QImage.Format.Format_Indexed8, table).save(str(path), "PNG", 0)
-

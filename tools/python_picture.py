@@ -28,11 +28,15 @@ def main():
         place = np.zeros(len(source), dtype=int)
         for country in np.unique(source):
             own = np.flatnonzero(source == country)
-            place[own[np.argsort([-one.area for one in parts[there][own]], kind="stable")]] = np.arange(len(own))
+            place[own[np.argsort([-one.area for one in parts[there][own]], kind="stable")]] = np.arange(
+                len(own)
+            )
         layer = memory("MultiPolygon", list(parts[there]), colour=(place % len(LAND_PARTS)).tolist())
         coloured = classes(layer, "colour", dict(enumerate(LAND_PARTS)), "#8a857b", 0.12)
         frame = frame_of(CRS, *FRAME)
-        panels.append(Panel([coloured, fill(world(), "#e9e5dc")], frame, CRS, f"from_tau <= {tau:g} < to_tau"))
+        panels.append(
+            Panel([coloured, fill(world(), "#e9e5dc")], frame, CRS, f"from_tau <= {tau:g} < to_tau")
+        )
     picture("python", panels)
     stop(application)
 

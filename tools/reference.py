@@ -149,10 +149,7 @@ def result_row(parameter):
     what = KINDS[parameter.type()] + (", optional" if optional else "")
     if optional and not parameter.createByDefault():
         what += ", off by default"
-    return (
-        f"| `{parameter.name()}` | {cell(parameter.description())} | {what} | "
-        f"{cell(parameter.help())} |"
-    )
+    return f"| `{parameter.name()}` | {cell(parameter.description())} | {what} | {cell(parameter.help())} |"
 
 
 def limits(parameter):

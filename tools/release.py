@@ -53,7 +53,8 @@ def metadata(text, owner, changes):
     settings = configparser.ConfigParser(interpolation=None)
     settings.read_string(owner)
     lines = [
-        line for line in text.rstrip().splitlines()
+        line
+        for line in text.rstrip().splitlines()
         if not line.startswith("#") and line.partition("=")[0] not in settings["owner"]
     ]
     version = re.search(r"^version=(.*)$", text, re.MULTILINE)[1]
@@ -149,7 +150,9 @@ def make(path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--release", action="store_true", help="with the version in its name, if it may be published")
+    parser.add_argument(
+        "--release", action="store_true", help="with the version in its name, if it may be published"
+    )
     options = parser.parse_args()
     build = ROOT / "build"
     build.mkdir(exist_ok=True)
@@ -159,13 +162,17 @@ def main():
         problems = placeholders(general)
         tags = [tag for tag in git("tag", "--points-at", "HEAD").decode().split() if re.match(r"v?\d", tag)]
         if tags and f"v{general['version']}" not in tags:
-            problems.append(f"the tag {' '.join(tags)} is not v{general['version']}, the version of metadata.txt")
+            problems.append(
+                f"the tag {' '.join(tags)} is not v{general['version']}, the version of metadata.txt"
+            )
         if problems:
             path.unlink()
             raise SystemExit("no release: " + "; ".join(problems) + ". The addresses are in owner.ini.")
         path = path.rename(build / f"isthmus-{general['version']}.zip")
-    print(f"isthmus: made {path.relative_to(ROOT)} from commit {git('rev-parse', '--short', 'HEAD').decode().strip()}",
-          file=sys.stderr)
+    print(
+        f"isthmus: made {path.relative_to(ROOT)} from commit {git('rev-parse', '--short', 'HEAD').decode().strip()}",
+        file=sys.stderr,
+    )
 
 
 if __name__ == "__main__":

@@ -81,7 +81,9 @@ def faults(wanted, translations):
     found += [f"translated, but said nowhere: {text}" for text in sorted(set(translations) - wanted)]
     for source, translation in translations.items():
         for what, pattern in (("fields", r"\{\w*(?::[^{}]+)?\}"), ("tags", r"</?\w+>")):
-            if translation and sorted(re.findall(pattern, source)) != sorted(re.findall(pattern, translation)):
+            if translation and sorted(re.findall(pattern, source)) != sorted(
+                re.findall(pattern, translation)
+            ):
                 found.append(f"other {what} than in the source: {translation}")
         # names of parameters and values are the same in all languages
         for name in re.findall(r"\b(?:[A-Z]+_[A-Z]+|Min[A-Z]\w+|tau)\b", source):
@@ -124,7 +126,9 @@ def said():
     for folder in ("gui", "algorithms"):
         for path in (ROOT / folder).rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if not isinstance(node, ast.Call) or not isinstance(node.args and node.args[-1], ast.Constant):
+                if not isinstance(node, ast.Call) or not isinstance(
+                    node.args and node.args[-1], ast.Constant
+                ):
                     continue
                 word = node.args[-1].value
                 if getattr(node.func, "id", "") == "tr":

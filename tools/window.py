@@ -77,9 +77,7 @@ def main():
     profile = Path(os.environ["QGIS_CUSTOM_CONFIG_PATH"]) / "profiles" / "default"
     (profile / "QGIS").mkdir(parents=True)
     (profile / "QGIS" / "QGIS3.ini").write_text(
-        SETTINGS.format(
-            theme=choice.theme, lang=choice.lang, override=str(choice.lang != "en_US").lower()
-        )
+        SETTINGS.format(theme=choice.theme, lang=choice.lang, override=str(choice.lang != "en_US").lower())
     )
     shutil.copytree(ROOT / "resources" / "models", profile / "processing" / "models")
     start = profile / "start.py"
@@ -289,7 +287,6 @@ def dialogs(stage):
         yield 0.3
 
 
-
 @scene
 def result(stage):
     """A run from the dialog: its log, the styled layers, the attribute tables."""
@@ -339,8 +336,10 @@ def cancel(stage):
         begun = time.monotonic()
         dialog.cancelButton().click()
         yield dialog.runButton().isEnabled
-        stage.say(f"  cancelled at {share} %: stopped after {time.monotonic() - begun:.2f} s,",
-                  f"{len(stage.project.mapLayers()) - layers} new layers")
+        stage.say(
+            f"  cancelled at {share} %: stopped after {time.monotonic() - begun:.2f} s,",
+            f"{len(stage.project.mapLayers()) - layers} new layers",
+        )
         yield 1
         stage.shot(f"cancelled-at-{share}", dialog)
 
@@ -414,9 +413,14 @@ def others(stage):
     stage.shot("pieces-map")
     import processing
 
-    projected = processing.run("native:reprojectlayer", {
-        "INPUT": stage.countries, "TARGET_CRS": QgsCoordinateReferenceSystem("EPSG:3035"),
-        "OUTPUT": "memory:countries in metres"})["OUTPUT"]
+    projected = processing.run(
+        "native:reprojectlayer",
+        {
+            "INPUT": stage.countries,
+            "TARGET_CRS": QgsCoordinateReferenceSystem("EPSG:3035"),
+            "OUTPUT": "memory:countries in metres",
+        },
+    )["OUTPUT"]
     stage.project.addMapLayer(projected)
     dialog = stage.dialog("partition")
     yield 0.7

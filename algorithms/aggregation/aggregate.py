@@ -135,8 +135,7 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
         )
         add(
             amount(self.THRESHOLD, "Minimum size (square metres)", 400000.0, maxValue=LARGEST),
-            "How large every region must be at least. Classes in the table of minimum sizes have "
-            "their own.",
+            "How large every region must be at least. Classes in the table of minimum sizes have their own.",
             decimals=2,
         )
         add(
@@ -216,8 +215,10 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
         )
         add(
             QgsProcessingParameterField(
-                self.AREA_ID, "Field with the area of a piece",
-                parentLayerParameterName=self.INPUT, optional=True,
+                self.AREA_ID,
+                "Field with the area of a piece",
+                parentLayerParameterName=self.INPUT,
+                optional=True,
             ),
             "The field that is equal for the pieces of one area. Default: area_id, if there are "
             "fields area_id and piece.",
@@ -283,8 +284,12 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
             return "A table of class distances (DISTANCES) is needed, or another way to measure them."
         weights = (self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE)
         for name in (
-            self.THRESHOLD, *(one for one in weights if parameters.get(one) is not None),
-            self.SECONDS, self.SEED, self.ITERATIONS, self.REGIONS,
+            self.THRESHOLD,
+            *(one for one in weights if parameters.get(one) is not None),
+            self.SECONDS,
+            self.SEED,
+            self.ITERATIONS,
+            self.REGIONS,
         ):
             problem = self.number_problem(parameters, context, name, 0.0)
             if problem:

@@ -50,24 +50,28 @@ def aggregate(tool, parameters, context, feedback):
     style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml")
     cost = costs(run.problem, found)
     size = float(np.sum(run.areas.size))
-    results.update({
-        tool.TOTAL_COST: cost.total,
-        tool.CHANGE_COST: cost.change,
-        tool.BOUNDARY_COST: cost.boundary,
-        tool.CENTRE_COST: cost.centre,
-        tool.CHANGED_SHARE: cost.changed_size / size if size else 0.0,
-    })
-    feedback.pushInfo(tr(
-        "Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % "
-        "of the area changed its class."
-    ).format(
-        cost.total,
-        cost.change,
-        cost.boundary,
-        cost.centre,
-        results[tool.REGION_COUNT],
-        100 * results[tool.CHANGED_SHARE],
-    ))
+    results.update(
+        {
+            tool.TOTAL_COST: cost.total,
+            tool.CHANGE_COST: cost.change,
+            tool.BOUNDARY_COST: cost.boundary,
+            tool.CENTRE_COST: cost.centre,
+            tool.CHANGED_SHARE: cost.changed_size / size if size else 0.0,
+        }
+    )
+    feedback.pushInfo(
+        tr(
+            "Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % "
+            "of the area changed its class."
+        ).format(
+            cost.total,
+            cost.change,
+            cost.boundary,
+            cost.centre,
+            results[tool.REGION_COUNT],
+            100 * results[tool.CHANGED_SHARE],
+        )
+    )
     if bound is not None:
         # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
         results[tool.LOWER_BOUND] = float(min(bound, cost.total))
@@ -124,9 +128,11 @@ class _Run:
         found, size = piece_fields(source.fields().names())
         if self.id_index < 0 and found >= 0:
             self.id_index = found
-            feedback.pushInfo(tr(
-                "The field {} tells which pieces belong to one area."
-            ).format(source.fields()[found].name()))
+            feedback.pushInfo(
+                tr("The field {} tells which pieces belong to one area.").format(
+                    source.fields()[found].name()
+                )
+            )
         if self.id_index == found:
             self.size_index = size
 
@@ -168,8 +174,14 @@ class _Run:
             feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
         with _told():
             self.problem = posed(
-                areas, texts, self.classes, list(self.reason), self._thresholds(), self._distances(),
-                self.weights(), self.choice(tool.BOUNDARY) == "classes",
+                areas,
+                texts,
+                self.classes,
+                list(self.reason),
+                self._thresholds(),
+                self._distances(),
+                self.weights(),
+                self.choice(tool.BOUNDARY) == "classes",
             )
 
     def _thresholds(self):
@@ -178,7 +190,9 @@ class _Run:
         source = tool.parameterAsSource(parameters, tool.THRESHOLDS, context)
         text = tool.parameterAsString(parameters, tool.EXCLUDED, context) or ""
         theta, absent = thresholds(
-            self.classes, self.number(tool.THRESHOLD), _rows(source, "THRESHOLDS", ("class", "threshold")),
+            self.classes,
+            self.number(tool.THRESHOLD),
+            _rows(source, "THRESHOLDS", ("class", "threshold")),
             filter(None, (part.strip() for part in text.split(","))),
         )
         for one in absent:
@@ -196,20 +210,24 @@ class _Run:
             table = _rows(source, "DISTANCES", ("from", "to", "distance"))
         matrix, one_way = distances(self.classes, kind, table)
         if one_way:
-            self.feedback.pushInfo(tr(
-                "{} class distances are listed in one direction only; the other way they are taken as "
-                "equal."
-            ).format(one_way))
+            self.feedback.pushInfo(
+                tr(
+                    "{} class distances are listed in one direction only; the other way they are taken as "
+                    "equal."
+                ).format(one_way)
+            )
         return matrix
 
     def _tell_invalid(self, numbers, most=10):
         """Warn of areas that are not valid."""
         if numbers:
             ids = [str(self.areas.features[k].id()) for k in sorted(numbers)]
-            self.feedback.pushWarning(tr(
-                "Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours may "
-                "be wrong. Run Fix geometries on the layer first."
-            ).format(counted(len(ids), "area"), ", ".join(ids[:most]), " ..." * (len(ids) > most)))
+            self.feedback.pushWarning(
+                tr(
+                    "Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours "
+                    "may be wrong. Run Fix geometries on the layer first."
+                ).format(counted(len(ids), "area"), ", ".join(ids[:most]), " ..." * (len(ids) > most))
+            )
 
     def solve(self):
         """Return the regions and, of the exact method, a lower bound; (None, None) if cancelled."""
@@ -230,9 +248,14 @@ class _Run:
         decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
         try:
             found, result = by_method(
-                problem, method, seed=int(self.number(tool.SEED)),
-                iterations=int(self.number(tool.ITERATIONS)), seconds=seconds, count=count,
-                decompose=decompose, check=check,
+                problem,
+                method,
+                seed=int(self.number(tool.SEED)),
+                iterations=int(self.number(tool.ITERATIONS)),
+                seconds=seconds,
+                count=count,
+                decompose=decompose,
+                check=check,
             )
         except Cancelled:
             return None, None
@@ -241,10 +264,12 @@ class _Run:
             if count:
                 feedback.pushWarning(tr("The number of regions is not used by the exact method."))
         elif count and len(found.core) != count:
-            feedback.pushWarning(tr(
-                "{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging "
-                "and splitting single regions."
-            ).format(count - shapeless, len(found.core) - shapeless))
+            feedback.pushWarning(
+                tr(
+                    "{} regions were wanted, and {} is as near as thresholds and neighbours allowed by "
+                    "merging and splitting single regions."
+                ).format(count - shapeless, len(found.core) - shapeless)
+            )
         return found, result and result.bound
 
     def _tell_gap(self, result, decompose):
@@ -260,14 +285,14 @@ class _Run:
         said = said.format(result.bound)
         if not result.proven:
             said = tr("The time was over. {}").format(said)
-        self.feedback.pushInfo(tr(
-            "{} (gap {:.2f} %; {}, {} solved)."
-        ).format(
-            said,
-            100 * gap,
-            counted(result.parts, "independent part"),
-            counted(result.rounds, "programme"),
-        ))
+        self.feedback.pushInfo(
+            tr("{} (gap {:.2f} %; {}, {} solved).").format(
+                said,
+                100 * gap,
+                counted(result.parts, "independent part"),
+                counted(result.rounds, "programme"),
+            )
+        )
 
     def write(self, found, sinks):
         """Write the layers; return the numbers."""
@@ -307,8 +332,12 @@ class _Run:
             core = self.areas.features[int(found.core[r])]
             geometry = self._shape(group, shapes.get(r), extra, multi)
             values = [
-                r + 1, core.attributes()[self.class_index], float(out.size[r]),
-                len({self.sources[k] for k in group}), core.id(), out.faults.get(r, ""),
+                r + 1,
+                core.attributes()[self.class_index],
+                float(out.size[r]),
+                len({self.sources[k] for k in group}),
+                core.id(),
+                out.faults.get(r, ""),
             ]
             sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
             written += 1
@@ -322,9 +351,11 @@ class _Run:
         results[tool.LOST_COUNT] = lost
         if many:
             some = "; ".join(tr("{} {} of {}").format(name, gone, of) for name, gone, of in made.lost if gone)
-            self.feedback.pushInfo(tr(
-                "Of {} above half of the minimum size, {} lost their class{}{}."
-            ).format(counted(many, "area"), lost, ": " * bool(some), some))
+            self.feedback.pushInfo(
+                tr("Of {} above half of the minimum size, {} lost their class{}{}.").format(
+                    counted(many, "area"), lost, ": " * bool(some), some
+                )
+            )
         path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
         if not path or self.feedback.isCanceled():
             return
@@ -347,9 +378,7 @@ class _Run:
     def _shape(self, group, polygons, extra, multi):
         """Geometry of the areas of a region; of a single one its own, as it is."""
         if len(group) == 1:
-            geometry = layer.with_dimensions(
-                self.areas.features[group[0]].geometry(), self.reader.wkb_type
-            )
+            geometry = layer.with_dimensions(self.areas.features[group[0]].geometry(), self.reader.wkb_type)
             if multi:
                 geometry.convertToMultiType()
             return geometry
@@ -360,16 +389,18 @@ class _Run:
     def _report_small(self, small, found, size, faults, most=20):
         for r in small[:most]:
             core = self.areas.features[int(found.core[r])]
-            self.feedback.pushWarning(tr(
-                "Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no "
-                "neighbours that would make it large enough."
-            ).format(r + 1, core.id(), size[r], faults[r]))
+            self.feedback.pushWarning(
+                tr(
+                    "Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no "
+                    "neighbours that would make it large enough."
+                ).format(r + 1, core.id(), size[r], faults[r])
+            )
         if len(small) > most:
             self.feedback.pushWarning(tr("... and {} more; see the field status.").format(len(small) - most))
         if len(small) == len(found.core) > 0:
-            self.feedback.pushWarning(tr(
-                "No region reaches its minimum size: is the threshold larger than the map?"
-            ))
+            self.feedback.pushWarning(
+                tr("No region reaches its minimum size: is the threshold larger than the map?")
+            )
 
     def _assignment(self, found, out, shapes, wkb_type, sinks):
         """Write the areas with their regions, the pieces of one area that ended in one as one."""

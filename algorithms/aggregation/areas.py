@@ -37,9 +37,7 @@ def metres_of(crs):
     unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
     if crs.isGeographic() or not crs.isValid() or crs.mapUnits() == unknown:
         return 1.0
-    return QgsUnitTypes.fromUnitToUnitFactor(
-        crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters
-    )
+    return QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
 
 
 def read(reader, crs):
@@ -63,13 +61,16 @@ def read(reader, crs):
 
 def joined_geometry(areas, polygons, extra, multi):
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
-    made = list(wkb.polygon_geometries(
-        areas.coverage.coords,
-        np.concatenate([ring for rings in polygons for ring in rings]),
-        offsets_of([len(ring) for rings in polygons for ring in rings]),
-        offsets_of([len(rings) for rings in polygons]),
-        [extra] * len(polygons), False,
-    ))
+    made = list(
+        wkb.polygon_geometries(
+            areas.coverage.coords,
+            np.concatenate([ring for rings in polygons for ring in rings]),
+            offsets_of([len(ring) for rings in polygons for ring in rings]),
+            offsets_of([len(rings) for rings in polygons]),
+            [extra] * len(polygons),
+            False,
+        )
+    )
     if len(made) == 1:
         return _multi(made[0]) if multi else made[0]
     return QgsGeometry.collectGeometry(made)
@@ -85,7 +86,10 @@ def union(geometries):
     valid = [one if one.isGeosValid() else one.makeValid() for one in geometries]
     # a repaired outline may have come apart in lines, too
     valid = [
-        part for one in valid if not one.isNull() for part in one.asGeometryCollection()
+        part
+        for one in valid
+        if not one.isNull()
+        for part in one.asGeometryCollection()
         if part.constGet().dimension() == 2
     ]
     whole = QgsGeometry.unaryUnion(valid)

@@ -78,8 +78,11 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
         )
         add(
             QgsProcessingParameterEnum(
-                self.OBJECTIVE, "What to minimize: number or length of cuts", [BY_SIZE, BY_LENGTH],
-                defaultValue=BY_SIZE, usesStaticStrings=True,
+                self.OBJECTIVE,
+                "What to minimize: number or length of cuts",
+                [BY_SIZE, BY_LENGTH],
+                defaultValue=BY_SIZE,
+                usesStaticStrings=True,
             ),
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
@@ -117,9 +120,8 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
         )
 
     def parameter_problem(self, parameters, context):
-        return (
-            self.number_problem(parameters, context, self.TAU, 1.0)
-            or self.objective_problem(parameters, context)
+        return self.number_problem(parameters, context, self.TAU, 1.0) or self.objective_problem(
+            parameters, context
         )
 
     def processAlgorithm(self, parameters, context, feedback):

@@ -67,25 +67,28 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         for features in reader.chunks():
             for feature in features:
                 classless += layer.text(feature.attributes()[class_index]) is None
-                feature.setGeometry(
-                    layer.with_dimensions(feature.geometry(), reader.wkb_type)
-                )
+                feature.setGeometry(layer.with_dimensions(feature.geometry(), reader.wkb_type))
             for chunk in read(features, settings, feedback):
                 problem = prepare(chunk, settings, check)
                 selection = select(
-                    problem.prepared, tau, weight=problem.weight, check=check,
+                    problem.prepared,
+                    tau,
+                    weight=problem.weight,
+                    check=check,
                     with_dilation=False,
                 )
                 short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
                 parts = finish(problem.prepared, selection, check=check).parts
                 found = pieces(problem, parts)
                 coords = problem.chunk.rings.coords
-                cut.append((
-                    chunk.owner[found.polygon] + len(kept),
-                    problem.verdict[found.polygon],
-                    Rings(coords[found.rows], found.offsets, found.ring_offsets),
-                    found.rows >= len(chunk.rings.coords),
-                ))
+                cut.append(
+                    (
+                        chunk.owner[found.polygon] + len(kept),
+                        problem.verdict[found.polygon],
+                        Rings(coords[found.rows], found.offsets, found.ring_offsets),
+                        found.rows >= len(chunk.rings.coords),
+                    )
+                )
                 # others may come out as they came
                 for number in np.setdiff1d(chunk.owner, chunk.owner[problem.verdict != ""]).tolist():
                     chunk.features[number].clearGeometry()  # of 55,191 areas 0.03 GB
@@ -110,8 +113,12 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
     is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
     found, rings, grown = arrange_pieces(rings, is_new, settings.measure, layer.metres_of(crs))
     geometries = wkb.polygon_geometries(
-        rings.coords, np.arange(len(rings.coords)), rings.offsets, rings.polygon_offsets,
-        [wkb.dimensions(reader.wkb_type)] * len(area), multi,
+        rings.coords,
+        np.arange(len(rings.coords)),
+        rings.offsets,
+        rings.polygon_offsets,
+        [wkb.dimensions(reader.wkb_type)] * len(area),
+        multi,
     )
     for k, (number, reason, size, geometry) in enumerate(
         zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)
@@ -131,9 +138,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         feature = kept[number]
         (reason,) = reasons_of(feature, ())
         values = [feature.id(), layer.NULL, 0.0, reason]
-        sinks.add(
-            tool.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}"
-        )
+        sinks.add(tool.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}")
 
     if with_table:
         pairs, length = neighbours(found)
@@ -161,16 +166,23 @@ def _report(feedback, kept, overlaps, gaps, classless, most=10):
         some = ", ".join(
             tr("{} and {}").format(kept[a].id(), kept[b].id()) for a, b in overlaps[:most].tolist()
         )
-        feedback.pushWarning(tr(
-            "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part twice."
-        ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most)))
+        feedback.pushWarning(
+            tr(
+                "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part "
+                "twice."
+            ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most))
+        )
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
-        feedback.pushWarning(tr(
-            "{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours "
-            "there."
-        ).format(counted(len(gaps), "gap"), some, " ..." * (len(gaps) > most)))
+        feedback.pushWarning(
+            tr(
+                "{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours "
+                "there."
+            ).format(counted(len(gaps), "gap"), some, " ..." * (len(gaps) > most))
+        )
     if classless:
-        feedback.pushWarning(tr(
-            "Without a class: {}. Aggregation will leave such areas as they are."
-        ).format(counted(classless, "area")))
+        feedback.pushWarning(
+            tr("Without a class: {}. Aggregation will leave such areas as they are.").format(
+                counted(classless, "area")
+            )
+        )

@@ -24,29 +24,42 @@ def page(title, intro, balance):
     ]
     size = sum(row[2] for row in balance.classes)
     class_rows = [
-        (name, f"{areas:,}", f"{before / 1e4:,.1f}", *_share(before, size), f"{regions:,}",
-         f"{after / 1e4:,.1f}", *_share(after, size))
+        (
+            name,
+            f"{areas:,}",
+            f"{before / 1e4:,.1f}",
+            *_share(before, size),
+            f"{regions:,}",
+            f"{after / 1e4:,.1f}",
+            *_share(after, size),
+        )
         for name, areas, before, regions, after in balance.classes
     ]
-    lost_rows = [
-        (name, f"{many:,}", f"{lost:,}", *_share(lost, many)) for name, lost, many in balance.lost
-    ]
+    lost_rows = [(name, f"{many:,}", f"{lost:,}", *_share(lost, many)) for name, lost, many in balance.lost]
     body = [
-        f"<h1>{html.escape(title)}</h1>", *(f"<p>{html.escape(text)}</p>" for text in intro),
+        f"<h1>{html.escape(title)}</h1>",
+        *(f"<p>{html.escape(text)}</p>" for text in intro),
         _table(
-            "Cost", "Before: every area a region of its own. The share is that of the cost after.",
-            ("", "before", "after", "share", ""), cost_rows,
+            "Cost",
+            "Before: every area a region of its own. The share is that of the cost after.",
+            ("", "before", "after", "share", ""),
+            cost_rows,
         ),
         _table(
-            "Classes", "Areas before, regions after, with their sizes in hectares.",
-            ("class", "areas", "ha", "share", "", "regions", "ha", "share", ""), class_rows,
+            "Classes",
+            "Areas before, regions after, with their sizes in hectares.",
+            ("class", "areas", "ha", "share", "", "regions", "ha", "share", ""),
+            class_rows,
         ),
         _table(
             "Lost areas",
             "Areas above half of the minimum size of their class, and how many of them lost it (by "
             "more than half of their size).",
-            ("class", "areas", "lost", "share", ""), lost_rows,
-        ) if lost_rows else "<h2>Lost areas</h2><p>No area is above half of its minimum size.</p>",
+            ("class", "areas", "lost", "share", ""),
+            lost_rows,
+        )
+        if lost_rows
+        else "<h2>Lost areas</h2><p>No area is above half of its minimum size.</p>",
     ]
     return (
         f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}'
@@ -71,9 +84,7 @@ def _table(title, caption, names, rows):
             return f'<td class="text"><span class="bar" style="width:{width:.2f}em"></span></td>'
         return f"<td{' class=text' * first}>{html.escape(value)}</td>"
 
-    lines = "".join(
-        f"<tr>{''.join(cell(value, not k) for k, value in enumerate(row))}</tr>" for row in rows
-    )
+    lines = "".join(f"<tr>{''.join(cell(value, not k) for k, value in enumerate(row))}</tr>" for row in rows)
     head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
     return (
         f"<h2>{html.escape(title)}</h2><table><caption>{html.escape(caption)}</caption>"

@@ -71,16 +71,18 @@ def run(tool, parameters, context, feedback):
     answer.update(sinks.destinations)
     style_on_load(context, answer.get(tool.OUTPUT), None, 2)
     style_on_load(context, answer.get(tool.EDGES_USED), "cuts.qml", 0)
-    answer.update({
-        tool.SCALE_REACHED: result.scale,
-        tool.FLIPPED_AREA: 100.0 * result.distortion.flipped,
-        tool.MEDIAN_DISTORTION: result.distortion.median,
-        tool.HIGH_DISTORTION: result.distortion.high,
-        tool.CROSSINGS: 0,  # no triangle is turned
-        tool.EDGE_COUNT: len(result.edges),
-        tool.SECONDS: time.monotonic() - begun,
-        tool.PROBLEM: "",  # or there is no map at all
-    })
+    answer.update(
+        {
+            tool.SCALE_REACHED: result.scale,
+            tool.FLIPPED_AREA: 100.0 * result.distortion.flipped,
+            tool.MEDIAN_DISTORTION: result.distortion.median,
+            tool.HIGH_DISTORTION: result.distortion.high,
+            tool.CROSSINGS: 0,  # no triangle is turned
+            tool.EDGE_COUNT: len(result.edges),
+            tool.SECONDS: time.monotonic() - begun,
+            tool.PROBLEM: "",  # or there is no map at all
+        }
+    )
     return answer
 
 
@@ -107,10 +109,12 @@ def _read(source, feedback):
         runs[k] = wkb.Runs(QgsGeometry())  # as if it had none
     if wrong:
         ids = ", ".join(str(held[k].id()) for k in wrong[:10]) + " ..." * (len(wrong) > 10)
-        feedback.pushWarning(tr(
-            "Left where they are, since coordinates are not finite (NaN or infinity) or larger than {:g}: "
-            "feature {}."
-        ).format(FARTHEST, ids))
+        feedback.pushWarning(
+            tr(
+                "Left where they are, since coordinates are not finite (NaN or infinity) or larger than "
+                "{:g}: feature {}."
+            ).format(FARTHEST, ids)
+        )
     counts = [count for one in runs for count in one.counts]
     if not counts:
         raise QgsProcessingException("The map has no features with a geometry that can be moved.")
@@ -130,10 +134,12 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
     if crs.isGeographic():
         growth, aspect = on_the_globe(given.rows, growth)
-        feedback.pushInfo(tr(
-            "The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true "
-            "lengths at latitude {:.1f}, and the result is in degrees."
-        ).format(crs.authid(), math.degrees(math.acos(aspect))))
+        feedback.pushInfo(
+            tr(
+                "The map is in degrees ({}). It is solved in the equidistant cylindrical projection with "
+                "true lengths at latitude {:.1f}, and the result is in degrees."
+            ).format(crs.authid(), math.degrees(math.acos(aspect)))
+        )
     try:
         result = enlarge(
             given.rows, given.starts, given.polygons, focus,
@@ -169,9 +175,9 @@ def _tell(feedback, result):
     width, height = (100.0 * (result.growth - 1.0)).tolist()
     feedback.pushInfo(tr("The map becomes {:.0f} % wider and {:.0f} % higher.").format(width, height))
     if len(result.splits):
-        feedback.pushInfo(tr(
-            "{} points were put into lines where others meet or cross them."
-        ).format(len(result.splits)))
+        feedback.pushInfo(
+            tr("{} points were put into lines where others meet or cross them.").format(len(result.splits))
+        )
 
 
 def _focus(source, crs, context):
@@ -182,8 +188,7 @@ def _focus(source, crs, context):
         # a ring of two points is no region
         found.append(shapely.force_2d(shapely.from_wkb(data, on_invalid="ignore")))
     found = [
-        one for one in found
-        if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
+        one for one in found if one is not None and (np.abs(shapely.get_coordinates(one)) <= FARTHEST).all()
     ]
     if not found:
         raise QgsProcessingException(
@@ -201,7 +206,7 @@ def _given(tool, parameters, context, crs, rows, feedback):
     for geometry in _geometries(source, crs, context):
         one, start = wkb.Runs(geometry), 0
         for count in one.counts:
-            line = one.xy[start:start + count]
+            line = one.xy[start : start + count]
             line = np.where(np.isfinite(line), line, 1e300)  # where no point of the map is
             ends.append(np.stack((line[:-1], line[1:]), axis=1))
             start += count
@@ -209,9 +214,11 @@ def _given(tool, parameters, context, crs, rows, feedback):
     found = match(rows, ends.reshape(-1, 2)).reshape(-1, 2)
     good = (found >= 0).all(axis=1)
     if not good.all():
-        feedback.pushWarning(tr(
-            "{} of {} relevant edges were left out: an end is not a point of the map."
-        ).format(np.count_nonzero(~good), len(good)))
+        feedback.pushWarning(
+            tr("{} of {} relevant edges were left out: an end is not a point of the map.").format(
+                np.count_nonzero(~good), len(good)
+            )
+        )
     return found[good]
 
 
@@ -225,11 +232,12 @@ def _write(tool, sinks, source, given, result):
         lo, hi = row.searchsorted((start, start + count))
         splits = zip(
             (row[lo:hi].astype(int) - start).tolist(),
-            result.moved[vertex[lo:hi].astype(int)].tolist(), share[lo:hi].tolist(),
+            result.moved[vertex[lo:hi].astype(int)].tolist(),
+            share[lo:hi].tolist(),
         )
         geometry = feature.geometry()
         if count:
-            geometry = one.moved(result.rows[start:start + count], list(splits))
+            geometry = one.moved(result.rows[start : start + count], list(splits))
         start += count
         sinks.add(tool.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
 
@@ -239,8 +247,7 @@ def _write_edges(tool, sinks, crs, result):
     if not sinks.open(tool.EDGES_USED, fields, kind, crs, False):
         return
     before, after = (
-        np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T)
-        for xy in (result.points, result.moved)
+        np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
     )
     lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
     for line, kind, length, longer in zip(
@@ -267,9 +274,7 @@ def _carry(tool, parameters, context, crs, result, feedback):
             names.append(name.lower())
             whole = QgsVectorFileWriter.ActionOnExistingFile
             action = whole.CreateOrOverwriteFile if len(names) == 1 else whole.CreateOrOverwriteLayer
-            written.append(
-                _carry_layer(layer, name, path, action, crs, carrier, context, feedback)
-            )
+            written.append(_carry_layer(layer, name, path, action, crs, carrier, context, feedback))
     except QgsProcessingException:
         _discard(path)
         raise
@@ -309,20 +314,18 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
             elif one.counts:
                 feature.setGeometry(one.moved(carrier(one.xy)))
         if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-            raise QgsProcessingException(
-                f"A feature of {name} could not be written: {writer.errorMessage()}"
-            )
+            raise QgsProcessingException(f"A feature of {name} could not be written: {writer.errorMessage()}")
     del writer
     if lost:
-        feedback.pushWarning(tr(
-            "{}: features {}{} have no place in the CRS of the map, and are carried without a geometry."
-        ).format(name, ", ".join(map(str, lost[:10])), " ..." * (len(lost) > 10)))
+        feedback.pushWarning(
+            tr(
+                "{}: features {}{} have no place in the CRS of the map, and are carried without a geometry."
+            ).format(name, ", ".join(map(str, lost[:10])), " ..." * (len(lost) > 10))
+        )
     address = f"{path}|layername={name}"
     # what a full disk swallows, the writer may tell nobody
     if QgsVectorLayer(address, name, "ogr").featureCount() != count:
-        raise QgsProcessingException(
-            f"{name} could not be written to {path} as a whole. Is the disk full?"
-        )
+        raise QgsProcessingException(f"{name} could not be written to {path} as a whole. Is the disk full?")
     details = QgsProcessingContext.LayerDetails(name, context.project(), name)
     if context.project() is not None:
         carried = QgsVectorLayer(address, name, "ogr")

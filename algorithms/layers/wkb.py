@@ -63,7 +63,7 @@ def read_polygons(geometries):
     else:
         coords = np.zeros((points.sum(), most))
         for piece, (_, count, size, _), at in zip(pieces, runs, offsets_of(points).tolist()):
-            coords[at:at + count, :size] = piece.reshape(-1, size)
+            coords[at : at + count, :size] = piece.reshape(-1, size)
 
     # drop the closing vertices; one with another Z or M is a vertex of its own
     offsets = offsets_of(points)

@@ -33,9 +33,7 @@ CUT_FIELDS = (
     ("source", LONG), ("length", REAL), ("detour", REAL), ("part_a", INTEGER), ("part_b", INTEGER),
     ("share", REAL),
 )  # fmt: skip
-DIAGONAL_FIELDS = (
-    ("source", LONG), ("length", REAL), ("detour", REAL), ("dilation", REAL), ("role", TEXT)
-)
+DIAGONAL_FIELDS = (("source", LONG), ("length", REAL), ("detour", REAL), ("dilation", REAL), ("role", TEXT))
 
 
 def places_parameter(name, default):
@@ -71,9 +69,7 @@ class PartitionTool(IsthmusAlgorithm):
             "The polygons to cut.",
         )
 
-    def add_dynamic(
-        self, name, label, default, least, help_text, most=LARGEST, decimals=2, optional=False
-    ):
+    def add_dynamic(self, name, label, default, least, help_text, most=LARGEST, decimals=2, optional=False):
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
             name, label, QgsProcessingParameterNumber.Type.Double, default, optional,
@@ -206,17 +202,14 @@ class PartitionTool(IsthmusAlgorithm):
     def objective_problem(self, parameters, context):
         """Return a sentence about a shared parameter that cannot be used, or ''."""
         for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
-            if self.parameterDefinition(name) is None or QgsProcessingParameters.isDynamic(
-                parameters, name
-            ):
+            if self.parameterDefinition(name) is None or QgsProcessingParameters.isDynamic(parameters, name):
                 continue
             problem = self.limit_problem(parameters, context, name)
             if problem:
                 return problem
         if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
             sources = [
-                self.parameterAsSource(parameters, name, context)
-                for name in (self.INPUT, self.CANDIDATES)
+                self.parameterAsSource(parameters, name, context) for name in (self.INPUT, self.CANDIDATES)
             ]
             text = self.parameterAsString(parameters, self.WEIGHT, context)
             return expression_problem(text, [source.fields() for source in sources if source])

@@ -47,7 +47,9 @@ def cut(tool, parameters, context, feedback, chooser, extra_values=None):
                 selection, tau = choose(problem, stretch(check, 0.0, 0.4))
                 writer.told.short += without_vertex(problem, selection, tau)
                 solution = finish(
-                    problem.prepared, selection, all_dilations=settings.all_dilations,
+                    problem.prepared,
+                    selection,
+                    all_dilations=settings.all_dilations,
                     check=stretch(check, 0.4, 0.6),
                 )
                 writer.write(problem, solution, feedback, stretch(check, 0.6, 1.0))
@@ -99,9 +101,9 @@ class Told:
         if more:
             feedback.pushInfo(more)
         if self.skipped:
-            feedback.pushInfo(tr(
-                "Not cut: {}; see the field status of the parts."
-            ).format(counted(self.skipped, "feature")))
+            feedback.pushInfo(
+                tr("Not cut: {}; see the field status of the parts.").format(counted(self.skipped, "feature"))
+            )
 
     def _set_aside(self):
         """What did not count, by which rule, and what to change if that is not wanted."""
@@ -126,9 +128,7 @@ class _Writer:
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
         self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
         line_type = wkb.line_type(wkb_type)
-        part_fields = QgsProcessingUtils.combineFields(
-            fields, make_fields(PART_FIELDS + tool.extra_fields)
-        )
+        part_fields = QgsProcessingUtils.combineFields(fields, make_fields(PART_FIELDS + tool.extra_fields))
         sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)
         self.with_cuts = not tool.in_place and sinks.open(
             tool.CUTS, make_fields(CUT_FIELDS), line_type, crs, False
@@ -169,15 +169,21 @@ class _Writer:
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
         self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
         lines = [
-            rows for rows, wanted in (
+            rows
+            for rows, wanted in (
                 (self._cuts(problem, solution, found), self.with_cuts),
                 (self._diagonals(problem, solution, own), self.with_diagonals),
-            ) if wanted
+            )
+            if wanted
         ]
 
         geometries = wkb.polygon_geometries(
-            chunk.rings.coords, found.rows, found.offsets, found.ring_offsets,
-            [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()], self.multi,
+            chunk.rings.coords,
+            found.rows,
+            found.offsets,
+            found.ring_offsets,
+            [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()],
+            self.multi,
         )
         verdicts = problem.verdict[found.polygon].tolist()
         bounds = found.feature_offsets.tolist()
@@ -235,9 +241,10 @@ class _Writer:
         values = (
             [length, _or_null(detour), dilation, ROLES[role]]
             for length, detour, dilation, role in zip(
-                *(x[chosen].tolist() for x in (
-                    solution.length, solution.detour, solution.dilation, solution.role
-                ))
+                *(
+                    x[chosen].tolist()
+                    for x in (solution.length, solution.detour, solution.dilation, solution.role)
+                )
             )
         )
         return self._lines(self.tool.DIAGONALS, problem, solution, chosen, values)
@@ -246,7 +253,8 @@ class _Writer:
     def _lines(name, problem, solution, chosen, values):
         feature = problem.owner[solution.owner[chosen]].tolist()
         geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, solution.edge_rows[chosen],
+            problem.chunk.rings.coords,
+            solution.edge_rows[chosen],
             [problem.chunk.extra[f] for f in feature],
         )
         return name, feature[::-1], zip(geometries, values)
@@ -259,24 +267,26 @@ class _Writer:
         tool, numbers = self.tool, self.numbers
         length = numbers[tool.CUT_LENGTH]
         text = f"{length:,.0f}" if length >= 100.0 else f"{length:.4g}"
-        feedback.pushInfo(tr(
-            "{}, made by {} of {} in all. The largest detour left is {:.4g}."
-        ).format(
-            counted(numbers[tool.PART_COUNT], "part"),
-            counted(numbers[tool.CUT_COUNT], "cut"),
-            f"{text} {self.unit}".strip(),
-            numbers[tool.MAX_DILATION],
-        ))
+        feedback.pushInfo(
+            tr("{}, made by {} of {} in all. The largest detour left is {:.4g}.").format(
+                counted(numbers[tool.PART_COUNT], "part"),
+                counted(numbers[tool.CUT_COUNT], "cut"),
+                f"{text} {self.unit}".strip(),
+                numbers[tool.MAX_DILATION],
+            )
+        )
         self.told.report(feedback)
 
 
 def report_short(feedback, short):
     """Say at how many places a cut is missing for want of a vertex."""
     if short:
-        feedback.pushInfo(tr(
-            "No vertex to end a cut at: {}, edges opposite a concave corner, where the way around is more "
-            "than tau times as long as the way across. Set NEW_VERTICES to cut there."
-        ).format(counted(short, "place")))
+        feedback.pushInfo(
+            tr(
+                "No vertex to end a cut at: {}, edges opposite a concave corner, where the way around is "
+                "more than tau times as long as the way across. Set NEW_VERTICES to cut there."
+            ).format(counted(short, "place"))
+        )
 
 
 def _or_null(value):

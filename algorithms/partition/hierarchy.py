@@ -15,7 +15,11 @@ LEVEL_FIELDS = (
     ("source", LONG), ("status", TEXT),
 )  # fmt: skip
 RANKED_FIELDS = (
-    ("source", LONG), ("length", REAL), ("detour", REAL), ("persistence", REAL), ("rank", INTEGER)
+    ("source", LONG),
+    ("length", REAL),
+    ("detour", REAL),
+    ("persistence", REAL),
+    ("rank", INTEGER),
 )
 
 HELP = """

@@ -120,7 +120,8 @@ class _Writer:
             for length, detour, *more in zip(*(x.tolist() for x in fields.values()))
         )
         geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, problem.prepared.edge_rows[edges],
+            problem.chunk.rings.coords,
+            problem.prepared.edge_rows[edges],
             [problem.chunk.extra[f] for f in feature.tolist()],
         )
         return feature.tolist()[::-1], zip(geometries, values)
@@ -131,13 +132,13 @@ class _Writer:
             feedback.pushWarning(tr("Cancelled: the results are not complete."))
             return
         numbers, tool = self.numbers, self.tool
-        feedback.pushInfo(tr(
-            "{} in at most {} of a feature, made by {}."
-        ).format(
-            counted(numbers[tool.PART_COUNT], "part"),
-            counted(self.most, "level"),
-            counted(numbers[tool.CUT_COUNT], "cut"),
-        ))
+        feedback.pushInfo(
+            tr("{} in at most {} of a feature, made by {}.").format(
+                counted(numbers[tool.PART_COUNT], "part"),
+                counted(self.most, "level"),
+                counted(numbers[tool.CUT_COUNT], "cut"),
+            )
+        )
         more = self.missed and tr(
             "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
             "gives more cuts to choose from."

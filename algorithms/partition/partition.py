@@ -87,9 +87,9 @@ class PartitionAlgorithm(CuttingTool):
         self.add_outputs()
 
     def parameter_problem(self, parameters, context):
-        return self.dynamic_problem(
-            parameters, self.TAU, context, 1.0
-        ) or self.objective_problem(parameters, context)
+        return self.dynamic_problem(parameters, self.TAU, context, 1.0) or self.objective_problem(
+            parameters, context
+        )
 
     def processAlgorithm(self, parameters, context, feedback):
         from .partition_run import partition  # what runs needs shapely, what declares must not

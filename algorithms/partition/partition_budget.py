@@ -63,9 +63,9 @@ class PartitionBudgetAlgorithm(CuttingTool):
         self.add_outputs()
 
     def parameter_problem(self, parameters, context):
-        return self.dynamic_problem(
-            parameters, self.BUDGET, context, 0.0
-        ) or self.objective_problem(parameters, context)
+        return self.dynamic_problem(parameters, self.BUDGET, context, 0.0) or self.objective_problem(
+            parameters, context
+        )
 
     def processAlgorithm(self, parameters, context, feedback):
         from .partition_budget_run import partition_budget  # needs shapely, what declares must not

@@ -17,14 +17,14 @@ def _chooser(tool, parameters, context, source, feedback):
 
     def choose(problem, check):
         features = problem.chunk.features
-        selection, unproven = within_budget(
-            problem, [budget_of(feature) for feature in features], check
-        )
+        selection, unproven = within_budget(problem, [budget_of(feature) for feature in features], check)
         for f, dilation in unproven.items():
-            feedback.pushWarning(tr(
-                "Feature {}: a smaller detour than {:.6g} may be possible within the budget, which could "
-                "be neither shown nor ruled out."
-            ).format(features[f].id(), dilation))
+            feedback.pushWarning(
+                tr(
+                    "Feature {}: a smaller detour than {:.6g} may be possible within the budget, which could "
+                    "be neither shown nor ruled out."
+                ).format(features[f].id(), dilation)
+            )
         reached = np.ones(len(features))
         np.maximum.at(reached, problem.owner, selection.dilation)
         return selection, reached

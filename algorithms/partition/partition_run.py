@@ -21,10 +21,12 @@ def _chooser(tool, parameters, context, source, feedback):
         tau = np.array([tau_of(feature) for feature in features])
         selection, open_gaps = for_tau(problem, tau, max_gap, check)
         for f, gap in open_gaps.items():
-            feedback.pushWarning(tr(
-                "Feature {}: the search ended at a gap of {:.3g} per cent between the cost and its proven "
-                "lower bound, its limit of time or memory being reached."
-            ).format(features[f].id(), 100.0 * gap))
+            feedback.pushWarning(
+                tr(
+                    "Feature {}: the search ended at a gap of {:.3g} per cent between the cost and its "
+                    "proven lower bound, its limit of time or memory being reached."
+                ).format(features[f].id(), 100.0 * gap)
+            )
         return selection, tau
 
     return choose

@@ -157,7 +157,10 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
         found = hierarchy(prepared, selection, stretch(check, 0.6, 1.0))
         selected, in_tree = selection.selected, np.isin(selection.selected, selection.carved.tree)
         persistence, rank, _ = ranked(
-            problem, selected, found, np.full(len(chunk.features), tau),
+            problem,
+            selected,
+            found,
+            np.full(len(chunk.features), tau),
             problem.solved[prepared.owner[selected]] & ~in_tree,
         )
         problems.append(problem)

@@ -117,8 +117,7 @@ def _plot(curve):
         )
     if not curve["complete"]:
         parts.append(
-            f'<text x="{x(tau[-1]) - 6:.1f}" y="{y(cost[-1]) - 4:.1f}" text-anchor="end">goes on'
-            "</text>"
+            f'<text x="{x(tau[-1]) - 6:.1f}" y="{y(cost[-1]) - 4:.1f}" text-anchor="end">goes on</text>'
         )
     return "".join(parts) + "</svg>"
 

@@ -71,7 +71,9 @@ def settings_of(tool, parameters, context, source, feedback, all_dilations=False
     weigh = weigh_by_length if objective == BY_LENGTH else None
     if objective == BY_WEIGHT:
         weigh = weigh_by_expression(
-            tool.parameterAsString(parameters, tool.WEIGHT, context), source, lines,
+            tool.parameterAsString(parameters, tool.WEIGHT, context),
+            source,
+            lines,
             QgsExpressionContext(tool.createExpressionContext(parameters, context, source)),
         )
     return Settings(
@@ -130,10 +132,12 @@ def read(features, settings, feedback):
         rings, owner, extra = wkb.read_polygons(feature.geometry() for feature in own)
         measure = metric.planar() if strange[run[0]] else settings.measure
         for feature in own if strange[run[0]] else ():
-            feedback.pushWarning(tr(
-                "Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a "
-                "plane. Is the CRS of the layer right?"
-            ).format(feature.id()))
+            feedback.pushWarning(
+                tr(
+                    "Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a "
+                    "plane. Is the CRS of the layer right?"
+                ).format(feature.id())
+            )
         yield Chunk(own, rings, owner, extra, measure)
 
 
@@ -149,8 +153,13 @@ def prepare(chunk, settings, check=ignore):
         for name, of in settings.floors.items()
     }
     return prepare_polygons(
-        chunk, natural=settings.natural, lines=settings.lines and settings.lines.given,
-        new_vertices=settings.new_vertices, weigh=settings.weigh, check=check, **floors,
+        chunk,
+        natural=settings.natural,
+        lines=settings.lines and settings.lines.given,
+        new_vertices=settings.new_vertices,
+        weigh=settings.weigh,
+        check=check,
+        **floors,
     )
 
 
@@ -212,8 +221,7 @@ def weigh_by_expression(text, source, lines, context):
         weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)
         for k, (geometry, p, f, length, detour) in enumerate(
-            zip(geometries, polygon.tolist(), feature_of, prepared.chord.tolist(),
-                prepared.detour.tolist())
+            zip(geometries, polygon.tolist(), feature_of, prepared.chord.tolist(), prepared.detour.tolist())
         ):
             if p in reasons:
                 continue

@@ -1,6 +1,5 @@
 """The tool ``isthmus:tradeoff``."""
 
-
 from qgis.core import (
     QgsProcessing,
     QgsProcessingOutputNumber,
@@ -101,9 +100,7 @@ class TradeoffAlgorithm(PartitionTool):
             "A page with a plot for each feature and the steps that pay off most.",
         )
         self.addOutput(QgsProcessingOutputNumber(self.STEP_COUNT, "Number of steps"))
-        self.addOutput(
-            QgsProcessingOutputNumber(self.SKIPPED_COUNT, "Number of features not solved")
-        )
+        self.addOutput(QgsProcessingOutputNumber(self.SKIPPED_COUNT, "Number of features not solved"))
 
     def parameter_problem(self, parameters, context):
         low = self.parameterAsDouble(parameters, self.TAU_MIN, context)

@@ -44,9 +44,7 @@ def run(tool, parameters, context, feedback):
             tool.OUTPUT, make_fields(FIELDS), QgsWkbTypes.Type.NoGeometry,
             QgsCoordinateReferenceSystem(),
         )  # fmt: skip
-        curves, numbers = _curves(
-            tool, source, settings, low, high, most, UNITS[objective], sinks, feedback
-        )
+        curves, numbers = _curves(tool, source, settings, low, high, most, UNITS[objective], sinks, feedback)
         if settings.lines:
             settings.lines.report(feedback)
         if path and not feedback.isCanceled():
@@ -67,9 +65,9 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
             chunk, write = problem.chunk, stretch(check, 6 / 7, 1.0)
             found = features.curves(problem, low, high, most, stretch(check, 0.0, 6 / 7))
             # where the curves end, by the fewest cuts
-            end = np.array([
-                max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found
-            ])
+            end = np.array(
+                [max([low, *(step.dilation for step in curve.solutions[-1:])]) for curve, _ in found]
+            )
             fewest = select(problem.prepared, end[problem.owner], with_dilation=False)
             short += features.without_vertex(problem, fewest, end)
             for f, feature in enumerate(chunk.features):
@@ -83,9 +81,11 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
                 reasons.remove("")
                 if reasons:
                     skipped += 1
-                    feedback.pushWarning(tr(
-                        "Feature {}: parts of it were left out: {}."
-                    ).format(feature.id(), "; ".join(reasons)))
+                    feedback.pushWarning(
+                        tr("Feature {}: parts of it were left out: {}.").format(
+                            feature.id(), "; ".join(reasons)
+                        )
+                    )
                 curve, rows = found[f]
                 for *row, share in rows:
                     own = [feature.id(), *row, NULL if math.isnan(share) else share]

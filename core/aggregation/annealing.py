@@ -135,9 +135,7 @@ def annealing(
 
         rng = np.random.Generator(np.random.PCG64([seed, number]))
         regions.load(begin)
-        steps, bonus = _cool(
-            regions, rng, whole.times(share), schedule._replace(hot=hot), count, bonus, tell
-        )
+        steps, bonus = _cool(regions, rng, whole.times(share), schedule._replace(hot=hot), count, bonus, tell)
         return _settle(regions, count, best is None, tell), steps
 
     def away(one):

@@ -14,8 +14,17 @@ from ..rings import Rings, groups, offsets_of, take
 from .coverage import Coverage, centroids, cover, shapes, shared, spreads, with_shared_vertices
 from .instance import Instance, build
 
-__all__ = ["Areas", "arrange", "arrange_pieces", "invalid", "joined_rings", "neighbours", "piece_fields",
-           "posed", "reasons_of"]
+__all__ = [
+    "Areas",
+    "arrange",
+    "arrange_pieces",
+    "invalid",
+    "joined_rings",
+    "neighbours",
+    "piece_fields",
+    "posed",
+    "reasons_of",
+]
 
 EARTH_RADIUS = 6371008.8  # metres; for distances between centroids in layers in degrees
 LARGEST_COST = 1e250  # beyond, sums and products of costs may overflow
@@ -152,9 +161,18 @@ def arrange(
         x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
         y = EARTH_RADIUS * np.radians(y)
     spread = np.zeros(n)
-    spread[:owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
-    return Areas(features, coverage, owner, measured, np.maximum(size, 0.0) * metre**2,
-                 (x + 1j * y) * metre, spread * metre**2, metre, measure)
+    spread[: owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
+    return Areas(
+        features,
+        coverage,
+        owner,
+        measured,
+        np.maximum(size, 0.0) * metre**2,
+        (x + 1j * y) * metre,
+        spread * metre**2,
+        metre,
+        measure,
+    )
 
 
 def neighbours(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
@@ -244,8 +262,18 @@ def posed(
     padded[:none, :none] = distance
     change, boundary, centre = weights
     problem = build(
-        areas.size, cls, areas.place, pairs[~alone], length[~alone], padded, np.append(theta, np.inf),
-        change, boundary, centre, between_classes, np.where(stay, 0.0, areas.spread),
+        areas.size,
+        cls,
+        areas.place,
+        pairs[~alone],
+        length[~alone],
+        padded,
+        np.append(theta, np.inf),
+        change,
+        boundary,
+        centre,
+        between_classes,
+        np.where(stay, 0.0, areas.spread),
     )
     size, place = problem.size.sum(), problem.place
     with np.errstate(over="ignore"):
@@ -292,7 +320,7 @@ def piece_fields(names: Sequence[str]) -> tuple[int, int]:
     """
     plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
     for k in range(len(names) - 4, -1, -1):
-        if plain[k:k + 4] == ["area_id", "piece", "size", "status"]:
+        if plain[k : k + 4] == ["area_id", "piece", "size", "status"]:
             return k, k + 2
     lower = [name.lower() for name in names]
     return (lower.index("area_id"), -1) if {"area_id", "piece"} <= set(lower) else (-1, -1)

@@ -68,9 +68,7 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
         return _mixed(one, other, wins[block])
     if count is not None:  # one by one their number would change
         found = _mixed(one, other, wins[block])
-        return min(
-            (one, found), key=lambda some: (abs(len(some.core) - count), costs(problem, some).total)
-        )
+        return min((one, found), key=lambda some: (abs(len(some.core) - count), costs(problem, some).total))
     total, chosen = costs(problem, one).total, np.zeros(number, dtype=bool)
     best = one
     if costs(problem, other).total < total:

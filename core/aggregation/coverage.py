@@ -17,8 +17,18 @@ from ..rings import Rings, groups, offsets_of, signed_areas, take
 from ..rings import following as next_in_ring
 from ..rings import shapes as shapes_of_rings
 
-__all__ = ["Coverage", "Faults", "centroids", "cover", "faults", "joined", "shapes", "shared", "spreads",
-           "with_shared_vertices"]
+__all__ = [
+    "Coverage",
+    "Faults",
+    "centroids",
+    "cover",
+    "faults",
+    "joined",
+    "shapes",
+    "shared",
+    "spreads",
+    "with_shared_vertices",
+]
 
 
 class Coverage(NamedTuple):
@@ -106,8 +116,19 @@ def cover(
     k = len(coords)
     if k == 0:
         none = np.zeros(0, dtype=np.int64)
-        return Coverage(coords, offsets, ring_polygon, none, none, none, np.zeros((0, 2)), none,
-                        none, none, np.zeros((0, 2), dtype=np.int64))
+        return Coverage(
+            coords,
+            offsets,
+            ring_polygon,
+            none,
+            none,
+            none,
+            np.zeros((0, 2)),
+            none,
+            none,
+            none,
+            np.zeros((0, 2), dtype=np.int64),
+        )
     xy = coords[:, :2] + 0.0  # + 0.0: there is only one zero
     flat = np.ascontiguousarray(xy).view(complex).ravel()
     points, point = np.unique(flat, return_inverse=True)
@@ -161,8 +182,7 @@ def cover(
         tail, head, row, edge, polygon = new_tail, new_head, new_row, edge[whole], polygon[whole]
         twin = _twins(tail, head, len(points))
     repeated = _repeated(tail, head, polygon, len(points))
-    return Coverage(coords, offsets, ring_polygon, row, tail, head, points, polygon, edge, twin,
-                    repeated)
+    return Coverage(coords, offsets, ring_polygon, row, tail, head, points, polygon, edge, twin, repeated)
 
 
 def _twins(tail, head, count):
@@ -254,9 +274,7 @@ def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]
         What they have in common.
     """
     s = np.flatnonzero(coverage.twin > np.arange(len(coverage.twin)))
-    pairs = np.sort(
-        np.column_stack((coverage.polygon[s], coverage.polygon[coverage.twin[s]])), axis=1
-    )
+    pairs = np.sort(np.column_stack((coverage.polygon[s], coverage.polygon[coverage.twin[s]])), axis=1)
     s, pairs = s[pairs[:, 0] != pairs[:, 1]], pairs[pairs[:, 0] != pairs[:, 1]]
     if not len(s):
         return pairs, np.zeros(0)
@@ -374,10 +392,16 @@ def centroids(coverage: Coverage, plane: np.ndarray, count: int) -> tuple[np.nda
     following = next_in_ring(offsets)
     cross = x * y[following] - x[following] * y
     area = 0.5 * np.add.reduceat(cross, offsets[:-1])
-    moment = np.column_stack((
-        np.add.reduceat((x + x[following]) * cross, offsets[:-1]),
-        np.add.reduceat((y + y[following]) * cross, offsets[:-1]),
-    )) / 6.0 + origin * area[:, None]
+    moment = (
+        np.column_stack(
+            (
+                np.add.reduceat((x + x[following]) * cross, offsets[:-1]),
+                np.add.reduceat((y + y[following]) * cross, offsets[:-1]),
+            )
+        )
+        / 6.0
+        + origin * area[:, None]
+    )
     first = np.append(True, coverage.ring_polygon[1:] != coverage.ring_polygon[:-1])
     sign = np.where((area > 0) == first, 1.0, -1.0)  # shells add, holes take away
 
@@ -412,9 +436,7 @@ def spreads(coverage: Coverage, plane: np.ndarray, owner: np.ndarray) -> np.ndar
     u, v = plane[following].T
     cross = x * v - u * y
     area = np.add.reduceat(cross, offsets[:-1]) / 2.0
-    second = np.add.reduceat(
-        (x * x + x * u + u * u + y * y + y * v + v * v) * cross, offsets[:-1]
-    ) / 12.0
+    second = np.add.reduceat((x * x + x * u + u * u + y * y + y * v + v * v) * cross, offsets[:-1]) / 12.0
     first = np.append(True, coverage.ring_polygon[1:] != coverage.ring_polygon[:-1])
     sign = np.where((area > 0) == first, 1.0, -1.0)
     ring_area = owner[coverage.ring_polygon]
@@ -494,7 +516,7 @@ def shapes(coverage: Coverage, count: int | None = None) -> np.ndarray:
         with_holes = np.unique(shells[holes])
         bounds = np.append(np.flatnonzero(first), len(owner))
         for s in with_holes.tolist():
-            made[s] = shapely.polygons(lines[bounds[s]], lines[bounds[s] + 1:bounds[s + 1]])
+            made[s] = shapely.polygons(lines[bounds[s]], lines[bounds[s] + 1 : bounds[s + 1]])
     result[owner[first]] = made
     return result
 
@@ -624,9 +646,7 @@ def _nest(coverage, rings):
         for area, rows in holes:
             # an island in the hole may contain its inner point, but is not larger than the hole
             hole = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
-            around = [
-                k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)
-            ]
+            around = [k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)]
             polygons[around[-1] if around else 0].append(rows)
     # where the input overlaps, rings may cross
     made = [

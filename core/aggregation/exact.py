@@ -245,9 +245,7 @@ class _Part:
     def __init__(self, problem, group, big, begin, tools):
         self.problem, self.tools = problem, tools
         degree = np.diff(problem.start)[group]
-        slot = np.arange(degree.sum()) + np.repeat(
-            problem.start[group] - np.cumsum(degree) + degree, degree
-        )
+        slot = np.arange(degree.sum()) + np.repeat(problem.start[group] - np.cumsum(degree) + degree, degree)
         tail, head = np.repeat(group, degree), problem.neighbour[slot]
         around = np.unique(head[big[head]])
         self.areas = np.concatenate((group, around))
@@ -264,8 +262,8 @@ class _Part:
             self.adjacent[w].append(v)
         self.size = problem.size[self.areas]
         theta = problem.theta[problem.cls[self.areas]]
-        possible = enough(self.size[:self.free].sum(), theta)
-        possible[self.free:] = True
+        possible = enough(self.size[: self.free].sum(), theta)
+        possible[self.free :] = True
         self.own = np.flatnonzero(possible)
         self.cores = self.areas[self.own]
         self.theta = np.where(self.own < self.free, theta[self.own], 0.0)
@@ -287,7 +285,7 @@ class _Part:
         number = np.full(len(self.problem.size), -1)
         number[self.cores] = np.arange(len(self.cores))
         fits = number[core] >= 0
-        fits[self.free:] &= core[self.free:] == self.areas[self.free:]
+        fits[self.free :] &= core[self.free :] == self.areas[self.free :]
         if not fits.all() or not self._feasible(number[core]):
             core = self._greedy()
         return number[core]
@@ -297,7 +295,7 @@ class _Part:
 
     def _cost_of(self, chosen):
         kind = self.kind[chosen]
-        total = self.cost[np.arange(self.free), chosen[:self.free]].sum()
+        total = self.cost[np.arange(self.free), chosen[: self.free]].sum()
         return float(total + self.price[kind[self.a] != kind[self.b]].sum())
 
     def _violated_by(self, chosen):
@@ -317,7 +315,7 @@ class _Part:
     def solve(self, until, check):
         """Return the core of each free area, a lower bound, whether it is reached, and the rounds."""
         # what is fixed costs the same in all solutions, and is counted elsewhere
-        bound = float(self.cost[:self.free].min(axis=1).sum())
+        bound = float(self.cost[: self.free].min(axis=1).sum())
         far = np.zeros(len(self.cores), dtype=bool)
         if self.decomposes and self.free > FEW_AREAS and not self.too_large:
             by_prices = lagrangian(self, until, check)
@@ -327,14 +325,14 @@ class _Part:
             bound = max(bound, self._bound(far, until, check))
         best = self._cost_of(self.chosen)
         proven = bound >= best * (1.0 - 1e-9)
-        core = self.cores[self.chosen[:self.free]]
+        core = self.cores[self.chosen[: self.free]]
         return core, min(bound, best) if proven else bound, proven, self.rounds
 
     def _bound(self, far, until, check):
         """Bound of the relaxation, and of the programme; without cores that are known to be far."""
         n, k = len(self.areas), len(self.cores)
         possible = np.ones((n, k), dtype=bool)
-        possible[self.free:] = False
+        possible[self.free :] = False
         possible[self.own, np.arange(k)] = True
         possible[:, far] = False
         chosen = self._first_pairs() & possible
@@ -385,7 +383,7 @@ class _Part:
         others = negative.sum(axis=0) - negative[self.own, j]
         saved = np.minimum(reduced[self.own, j] + others, 0.0)
         free = self.own < self.free
-        return float(np.sort(saved[free])[:int(self._most())].sum() + saved[~free].sum())
+        return float(np.sort(saved[free])[: int(self._most())].sum() + saved[~free].sum())
 
     def _adopt(self, x):
         """Take a solution of the relaxation if it is one in integers, and costs less."""
@@ -501,7 +499,7 @@ class _Part:
         lack[enough(self.size[self.own], self.theta)] = np.inf
         needs = -np.minimum(self.size[:, None] / lack, 1.0)
         needs[self.own, np.arange(k)] = np.isfinite(lack)
-        needs[self.free:] = 0.0
+        needs[self.free :] = 0.0
         return needs
 
     def _most(self):
@@ -510,7 +508,7 @@ class _Part:
         least = self.theta[free].min(initial=np.inf)
         if not 0.0 < least < np.inf:
             return float(free.sum())
-        return float(np.floor(self.size[:self.free].sum() / least * (1.0 + 1e-9)))
+        return float(np.floor(self.size[: self.free].sum() / least * (1.0 + 1e-9)))
 
     def _relaxed(self, chosen, until):
         """Solve the relaxation for the chosen pairs.
@@ -532,11 +530,11 @@ class _Part:
         dual = np.minimum(answer.ineqlin.marginals, 0.0) * unit
         reduced = self._reduced(programme, answer.eqlin.marginals * unit, dual)
         x = np.zeros(self.cost.shape)
-        x[chosen] = answer.x[:len(programme.area)]
+        x[chosen] = answer.x[: len(programme.area)]
         # by weak duality; a difference is at most 1
         value = float(answer.eqlin.marginals.sum() * unit + dual[-1] * self._most())
         edge = programme.edge
-        value += float(np.minimum(self.price[edge] + dual[:len(edge)], 0.0).sum())
+        value += float(np.minimum(self.price[edge] + dual[: len(edge)], 0.0).sum())
         return value, x, reduced
 
     def _optimum(self, programme, until):
@@ -545,8 +543,13 @@ class _Part:
         left = max(until - perf_counter(), 0.1)
         for presolve in (True, False):
             answer = self.tools[0](
-                programme.cost / unit, programme.rows, programme.high, programme.one,
-                np.ones(len(self.areas)), bounds=(0.0, None), method="highs-ds",
+                programme.cost / unit,
+                programme.rows,
+                programme.high,
+                programme.one,
+                np.ones(len(self.areas)),
+                bounds=(0.0, None),
+                method="highs-ds",
                 options={"time_limit": left, "presolve": presolve},
             )
             if answer.status < 2:  # the presolve of HiGHS 1.2 (scipy 1.10) takes some for unbounded
@@ -621,10 +624,15 @@ class _Part:
             unit = max(np.abs(cost).max() / 100.0, 1e-300)
             # the differences are whole, too, if the pairs are: with that said, presolve fails less often
             answer = milp(
-                cost / unit, integrality=np.ones(len(cost)), bounds=(0.0, 1.0),
+                cost / unit,
+                integrality=np.ones(len(cost)),
+                bounds=(0.0, 1.0),
                 constraints=constraint(matrix, low, high),
-                options={"time_limit": max(until - perf_counter(), 0.1), "mip_rel_gap": 1e-9,
-                         "presolve": presolve},
+                options={
+                    "time_limit": max(until - perf_counter(), 0.1),
+                    "mip_rel_gap": 1e-9,
+                    "presolve": presolve,
+                },
             )
             best = self._cost_of(self.chosen)
             if answer.status == 2:
@@ -655,11 +663,20 @@ class _Part:
         """The greedy solution of this part, in which no two of the large areas join."""
         p, areas = self.problem, self.areas
         part = build(
-            self.size, p.cls[areas], p.place[areas], np.column_stack((self.a, self.b)),
-            self.price / (p.boundary or 1.0), p.distance, p.theta, p.change, p.boundary, p.centre,
-            p.by_class, p.spread[areas],
+            self.size,
+            p.cls[areas],
+            p.place[areas],
+            np.column_stack((self.a, self.b)),
+            self.price / (p.boundary or 1.0),
+            p.distance,
+            p.theta,
+            p.change,
+            p.boundary,
+            p.centre,
+            p.by_class,
+            p.spread[areas],
         )
         found = greedy(part)
         core = areas[found.core]
-        core[found.region[self.free:]] = areas[self.free:]
+        core[found.region[self.free :]] = areas[self.free :]
         return core[found.region]

@@ -117,9 +117,7 @@ class _Growing:
         self.by_class = [{c: w} for c, w in zip(self.cls, self.size)]
         start = problem.start.tolist()
         neighbour, length = problem.neighbour.tolist(), problem.length.tolist()
-        self.beside = [
-            dict(zip(neighbour[lo:hi], length[lo:hi])) for lo, hi in zip(start[:-1], start[1:])
-        ]
+        self.beside = [dict(zip(neighbour[lo:hi], length[lo:hi])) for lo, hi in zip(start[:-1], start[1:])]
 
     def shares(self, areas, core):
         """What areas cost under a core."""
@@ -143,9 +141,7 @@ class _Growing:
                 kept = self.cls[self.core[s]]
                 lengths[kept] = lengths.get(kept, 0.0) + length
             saved = {s: lengths[self.cls[self.core[s]]] for s in around}
-        costs = [
-            (self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around
-        ]
+        costs = [(self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around]
         if self.excludes:  # an excluded class is the last resort: its own turn to join comes later
             excluded = [self.least[self.core[s]] == math.inf for s in around]
             more = sum(abs(cost) for cost, _ in costs)
@@ -187,9 +183,7 @@ class _Growing:
         if ranks[0] == ranks[1]:
             # no areas are nearer to a place than their centroid
             price = self.to[self.cls[u]]
-            least = self.cost[r] + self.problem.centre * abs(
-                self.moment[s] - self.size[s] * self.place[u]
-            )
+            least = self.cost[r] + self.problem.centre * abs(self.moment[s] - self.size[s] * self.place[u])
             least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
             if least > stays:
                 self.cost[s] = stays
@@ -283,9 +277,7 @@ class _Counted:
             cost -= self._cost(groups[s], core[s])
             if not p.by_class or p.cls[core[r]] != p.cls[core[s]]:
                 cost -= p.boundary * shared
-            heapq.heappush(
-                self.heap, (cost, r, len(groups[r]), s, len(groups[s]), both.tolist(), kept)
-            )
+            heapq.heappush(self.heap, (cost, r, len(groups[r]), s, len(groups[s]), both.tolist(), kept))
 
     def take(self):
         """Do the cheapest that is on offer, unless its regions have changed since."""

@@ -297,7 +297,7 @@ def components(problem: Instance, label: np.ndarray | None = None) -> np.ndarray
         component[root], stack = count, [root]
         while stack:
             v = stack.pop()
-            for u in neighbour[start[v]:start[v + 1]]:
+            for u in neighbour[start[v] : start[v + 1]]:
                 if component[u] < 0 and label[u] == label[v]:
                     component[u] = count
                     stack.append(u)
@@ -354,8 +354,9 @@ def solution(problem: Instance, region: np.ndarray) -> Solution:
     if problem.by_class and problem.boundary:
         for _ in range(2):
             for number, members in enumerate(groups):
-                core[number] = best_core(problem, members, _class_lengths(
-                    problem, members, region, core, number))
+                core[number] = best_core(
+                    problem, members, _class_lengths(problem, members, region, core, number)
+                )
     return Solution(region, core)
 
 
@@ -406,14 +407,14 @@ def cheapest_core(problem: Instance, members: np.ndarray, extra: np.ndarray) -> 
     order = np.argsort(least, kind="stable")
     best = (np.inf, np.inf, -1)
     for lo in range(0, m, 16):
-        some = order[lo:lo + 16]
+        some = order[lo : lo + 16]
         if least[some[0]] > best[0] * (1.0 + 1e-12):
             break
         cost = known[some]
         if problem.centre:
-            cost = cost + problem.centre * (size @ away(
-                place[:, None] - place[some], problem.spread[members][:, None]
-            ))
+            cost = cost + problem.centre * (
+                size @ away(place[:, None] - place[some], problem.spread[members][:, None])
+            )
         for k in np.flatnonzero(cost <= best[0]).tolist():
             best = min(best, (float(cost[k]), int(members[some[k]]), int(some[k])))
     return best[2] if best[2] >= 0 else int(order[0]), best[0]
@@ -435,7 +436,8 @@ def _class_lengths(problem, members, region, core, number):
     other = region[problem.neighbour[slots]]
     out = other != number
     length = np.bincount(
-        problem.cls[core[other[out]]], weights=problem.length[slots[out]],
+        problem.cls[core[other[out]]],
+        weights=problem.length[slots[out]],
         minlength=len(problem.theta),
     )
     return problem.boundary * (length.sum() - length)

@@ -187,7 +187,7 @@ class _Network:
         gain = np.where(open_, np.floor(np.maximum(-weight, 0.0) * unit), np.where(inside, UNITS, 0.0))
         loss = np.where(open_, np.floor(np.maximum(weight, 0.0) * unit), np.where(outside, UNITS, 0.0))
         capacity = np.zeros(len(self.place), dtype=np.int32)
-        capacity[self.place[:2 * m + 2 * n]] = np.concatenate((edge, edge, gain, loss))
+        capacity[self.place[: 2 * m + 2 * n]] = np.concatenate((edge, edge, gain, loss))
         graph = csr_matrix((capacity, self.indices, self.indptr), shape=(n + 2, n + 2))
         found = maximum_flow(graph, n, n + 1)
         rest = graph - (found.flow if hasattr(found, "flow") else found.residual)  # scipy 1.9: residual

@@ -58,7 +58,11 @@ def by_method(
         return (reach_count(problem, found, count, check) if count else found), None
     if method == "annealing":
         found = annealing(
-            problem, seed=seed, iterations=iterations or None, seconds=seconds or None, count=count,
+            problem,
+            seed=seed,
+            iterations=iterations or None,
+            seconds=seconds or None,
+            count=count,
             check=check,
         )
         return found, None

@@ -18,8 +18,17 @@ from .instance import cheapest_core, connected_parts, each_share, shares
 from .regions import EXCLUDED, LARGEST_GROUP, Regions
 
 __all__ = [
-    "Terms", "draw", "every_move", "gather", "group_price", "merge", "move_area", "move_core",
-    "prices", "recore", "split",
+    "Terms",
+    "draw",
+    "every_move",
+    "gather",
+    "group_price",
+    "merge",
+    "move_area",
+    "move_core",
+    "prices",
+    "recore",
+    "split",
 ]
 
 LARGEST_REGION = 400  # areas of a region for which every core is tried
@@ -151,7 +160,8 @@ def group_price(regions: Regions, group: set[int], r: int, to: int, terms: Terms
         delta += p.boundary * change
     size = float(p.size[areas].sum())
     return delta + terms.lack * float(
-        regions.missing(regions.size[r] - size, core_old) - regions.missing(regions.size[r], core_old)
+        regions.missing(regions.size[r] - size, core_old)
+        - regions.missing(regions.size[r], core_old)
         + regions.missing(regions.size[to] + size, core_new)
         - regions.missing(regions.size[to], core_new)
     )
@@ -166,9 +176,7 @@ def move_area(regions: Regions, v: int, to: int, terms: Terms, rng: np.random.Ge
     stamp, batch = regions.stamp, regions.batch
     if stamp[r] == batch or (to >= 0 and stamp[to] == batch):
         return False
-    if regions.by_class and any(
-        stamp[regions.labels[u]] == batch for u in regions.adjacent[v]
-    ):
+    if regions.by_class and any(stamp[regions.labels[u]] == batch for u in regions.adjacent[v]):
         return False
     if len(regions.members[r]) > 1:
         lost = regions.cut_off(v, r)
@@ -226,7 +234,7 @@ def recore(regions: Regions, terms: Terms) -> list[int]:
     least = np.minimum.reduceat(cost, first)
     better = np.flatnonzero(least < cost[now] - 1e-9 * np.abs(cost[now]))
     for k in better.tolist():
-        best = members[first[k] + int(np.argmin(cost[first[k]:first[k] + count[k]]))]
+        best = members[first[k] + int(np.argmin(cost[first[k] : first[k] + count[k]]))]
         r = int(few[k])
         if regions.by_class and p.cls[best] != p.cls[regions.core[r]]:
             if touched.intersection(regions.around(r)):  # its price is no longer true
@@ -261,7 +269,8 @@ def _class_lengths(regions, members, group, changed):
     own = np.repeat(group, degree)
     out = other != changed[own]
     table = np.bincount(
-        own[out] * classes + p.cls[regions.core[other[out]]], p.length[slot[out]],
+        own[out] * classes + p.cls[regions.core[other[out]]],
+        p.length[slot[out]],
         len(changed) * classes,
     )
     return table[group * classes + p.cls[members]]
@@ -375,7 +384,8 @@ def move_core(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
     pair = shares(p, np.array([v]), np.array([v, core]))[0]
     delta += float(pair[1] - pair[0])
     delta += terms.lack * float(
-        regions.missing(regions.size[to] + size, core) - regions.missing(regions.size[to], core)
+        regions.missing(regions.size[to] + size, core)
+        - regions.missing(regions.size[to], core)
         - regions.missing(regions.size[r], v)
     )
     left, right = (p.cls[v], p.cls[core]) if regions.by_class else (r, to)

@@ -86,8 +86,12 @@ def outcome(
         if len(group) > 1:
             merged[group] = number
     return Outcome(
-        members, groups, merged, np.bincount(found.region, weights=problem.size, minlength=count),
-        faults, [r for r in sorted(faults) if members[r] and cores[r] not in reason],
+        members,
+        groups,
+        merged,
+        np.bincount(found.region, weights=problem.size, minlength=count),
+        faults,
+        [r for r in sorted(faults) if members[r] and cores[r] not in reason],
     )
 
 
@@ -99,8 +103,10 @@ def balance(problem: Instance, found: Solution, sources: Sequence, classes: Sequ
     parts = [
         (name, getattr(before, part), getattr(after, part))
         for name, part in (
-            ("class change", "change"), ("boundary length", "boundary"),
-            ("centre distance", "centre"), ("total", "total"),
+            ("class change", "change"),
+            ("boundary length", "boundary"),
+            ("centre distance", "centre"),
+            ("total", "total"),
         )
     ]
 
@@ -110,9 +116,7 @@ def balance(problem: Instance, found: Solution, sources: Sequence, classes: Sequ
 
     size = np.bincount(found.region, weights=problem.size, minlength=len(kept))
     columns = (*tally(problem.cls, problem.size), *tally(kept, size))
-    rows = [
-        (name, *row) for name, *row in zip(classes, *(column.tolist() for column in columns))
-    ]
+    rows = [(name, *row) for name, *row in zip(classes, *(column.tolist() for column in columns))]
     return Balance(parts, rows, lost_areas(problem, found, sources, classes))
 
 

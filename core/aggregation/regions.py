@@ -36,9 +36,7 @@ class Regions:
         self.adjacent = adjacency(problem)
         self.degree = np.diff(problem.start)
         length, start = problem.length.tolist(), problem.start.tolist()
-        self.length_of = [
-            dict(zip(self.adjacent[v], length[start[v]:start[v + 1]])) for v in range(n)
-        ]
+        self.length_of = [dict(zip(self.adjacent[v], length[start[v] : start[v + 1]])) for v in range(n)]
         self.frozen = helpless(problem)
         self.movable = np.flatnonzero(~self.frozen & (self.degree > 0))
         excluded = max(EXCLUDED, 1e6 * float(problem.size.sum()))
@@ -53,7 +51,7 @@ class Regions:
         self.labels = self.region.tolist()
         self.count = len(begin.core)
         self.core = np.zeros(slots, dtype=np.int64)
-        self.core[:self.count] = begin.core
+        self.core[: self.count] = begin.core
         self.size = np.bincount(self.region, weights=problem.size, minlength=slots)
         self.number = np.bincount(self.region, minlength=slots)
         self.members = [set() for _ in range(slots)]
@@ -131,9 +129,7 @@ class Regions:
 
     def weigh(self) -> None:
         """Sum the sizes anew: those of millions of steps are off by rounding."""
-        self.size = np.bincount(
-            self.region, weights=self.problem.size, minlength=len(self.size)
-        )
+        self.size = np.bincount(self.region, weights=self.problem.size, minlength=len(self.size))
 
     def current(self) -> Solution:
         """The regions as they are, with their best cores."""

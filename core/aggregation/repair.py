@@ -64,9 +64,10 @@ def _take(regions, r, fixed, most=12):
 
 def _spare(regions, r, limit, fixed):
     """The cheapest area beside a region that its own can spare: its price, it, its region."""
-    near = np.array(sorted({
-        u for v in regions.members[r] for u in regions.adjacent[v] if regions.labels[u] != r
-    }), dtype=np.int64)
+    near = np.array(
+        sorted({u for v in regions.members[r] for u in regions.adjacent[v] if regions.labels[u] != r}),
+        dtype=np.int64,
+    )
     delta = prices(regions, near, np.full(len(near), r), FREE)
     for k in np.argsort(delta, kind="stable").tolist():
         v, s = int(near[k]), regions.labels[near[k]]

@@ -86,7 +86,7 @@ class Carrier:
         tree = shapely.STRtree(shapely.points(xy))
         how = {"predicate": "intersects"} if near is None else {"predicate": "dwithin", "distance": near}
         for start in range(0, len(self._triangles), AT_ONCE):
-            corners = self._points[self._triangles[start:start + AT_ONCE]]
+            corners = self._points[self._triangles[start : start + AT_ONCE]]
             one, other = tree.query(shapely.polygons(corners), **how)
             np.maximum.at(found, other, start + one)
         return found

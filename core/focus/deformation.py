@@ -99,8 +99,8 @@ def relax(
     weight = guard * max(len(edges), 1) * area / area.sum()
     if stiff is not None:
         weight = weight * stiff[loose]
-    slope = (gradient @ spread[:2 * n]).tocsr()
-    fast = gradient @ constant[:2 * n]
+    slope = (gradient @ spread[: 2 * n]).tocsr()
+    fast = gradient @ constant[: 2 * n]
     pattern = _Blocks(len(triangles))
     q, done = np.zeros(used), 0.0
 
@@ -153,7 +153,7 @@ def relax(
                 break
             short = True
     z = spread @ q + constant * done
-    return np.column_stack((z[:n], z[n:2 * n])), done
+    return np.column_stack((z[:n], z[n : 2 * n])), done
 
 
 def unbounded(
@@ -178,7 +178,7 @@ def unbounded(
     reduced = (matrix @ spread).tocsc()
     y = _solve((reduced.T @ reduced).tocsc(), -(reduced.T @ (matrix @ constant)))
     z = spread @ y + constant
-    return np.column_stack((z[:n], z[n:2 * n]))
+    return np.column_stack((z[:n], z[n : 2 * n]))
 
 
 def _unknowns(xy, edges, group, origin, scale, fixed):
@@ -186,7 +186,7 @@ def _unknowns(xy, edges, group, origin, scale, fixed):
     n = len(xy)
     column = np.arange(3 * n)
     constant = np.zeros(3 * n)
-    column[2 * n:][np.bincount(edges.ravel(), minlength=n) == 0] = -1
+    column[2 * n :][np.bincount(edges.ravel(), minlength=n) == 0] = -1
     inside = np.flatnonzero(group >= 0)
     first = np.full(len(origin), -1)
     first[group[inside][::-1]] = inside[::-1]

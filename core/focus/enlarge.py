@@ -180,7 +180,7 @@ def enlarge(
     land = _land(local(rows), starts, polygons)
     mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
     xy, group = mesh.xy, mesh.group
-    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy):]))
+    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy) :]))
     skipped = []
     if scale == 1.0:
         shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
@@ -190,8 +190,9 @@ def enlarge(
         needed[given.ravel()] = True
         for attempt in range(ATTEMPTS):
             check = stage(0.05, 0.2)
-            coarse = coarsen(xy, mesh.triangles, noded.edges, mesh.removable & ~needed, mesh.rigid, most,
-                             check)
+            coarse = coarsen(
+                xy, mesh.triangles, noded.edges, mesh.removable & ~needed, mesh.rigid, most, check
+            )
             skipped, chosen = [], given
             if edges is None:
                 check = stage(0.2, 0.3)
@@ -220,8 +221,7 @@ def enlarge(
         else:
             x, y = points[mesh.triangles[bad].min()]
             raise Unsolvable(
-                f"lines of the map are too close to each other to be moved without a fold, near ({x:g} "
-                f"{y:g})"
+                f"lines of the map are too close to each other to be moved without a fold, near ({x:g} {y:g})"
             )
     check = stage(0.95, 1.0)
     if not np.isfinite(unit * shift).all():
@@ -236,8 +236,7 @@ def enlarge(
         triangles=mesh.triangles,
         splits=_row_splits(noded, graph, starts),
         edges=np.concatenate((chosen, bridges)),
-        kind=np.array(["selected" if edges is None else "given"] * len(chosen)
-                      + ["join"] * len(bridges)),
+        kind=np.array(["selected" if edges is None else "given"] * len(chosen) + ["join"] * len(bridges)),
         scale=float(scale),
         growth=size,
         distortion=distortion(xy, xy + shift, mesh.triangles[inside]),
@@ -277,8 +276,9 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
         padded[axis] = 0.0 if flat else pad
     cell = (high - low).max() / GRID
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-    along = [np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1)
-             for axis in (0, 1)]
+    along = [
+        np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1) for axis in (0, 1)
+    ]
     grid = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2)
     grid = grid[~((grid == low) | (grid == high)).all(axis=1)]
     on_side = ((grid == low) | (grid == high)).any(axis=1)
@@ -306,11 +306,10 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
     for g in range(len(regions)):
         if not (group == g).any() and not (own[kept] == g).any():
-            raise Unsolvable(
-                "the focus lies between lines that leave no room in it. Choose a larger region"
-            )
-    known = {tuple(point) for point in noded.xy[
-        ((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()}
+            raise Unsolvable("the focus lies between lines that leave no room in it. Choose a larger region")
+    known = {
+        tuple(point) for point in noded.xy[((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()
+    }
     corners = np.array([p for p in corners.tolist() if tuple(p) not in known]).reshape(-1, 2)
     xy = np.concatenate((noded.xy, corners, extra[kept]))
     group = np.concatenate((group, np.full(len(corners), -1), own[kept]))
@@ -381,7 +380,7 @@ def _land(rows, starts, polygons):
 
 
 def _ring(rows, starts, k):
-    return shapely.linearrings(rows[starts[k]:starts[k + 1]])
+    return shapely.linearrings(rows[starts[k] : starts[k + 1]])
 
 
 def _covered(mesh, noded, land, check):
@@ -452,8 +451,9 @@ def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
     back[used] = np.arange(len(used))
     bridges = used[joins(xy[used], back[lines], tau)]
     links = unique_pairs(np.concatenate((lines, bridges)), len(kept))
-    origin = np.array([xy[group == g].mean(axis=0) if (group == g).any() else (0.0, 0.0)
-                       for g in range(group.max() + 1)])
+    origin = np.array(
+        [xy[group == g].mean(axis=0) if (group == g).any() else (0.0, 0.0) for g in range(group.max() + 1)]
+    )
     side = [place[one] for one in mesh.side]
     size = _frame(mesh, xy, links, group, origin, scale, frame, growth)
     fixed = []
@@ -499,8 +499,7 @@ def _refuse_outlier(rows, starts, unit):
 def _complain_of_outlier(rows, what):
     x, y = rows[np.argmax(np.abs(rows).max(axis=1))]
     raise Unsolvable(
-        f"the map reaches as far as ({x:g} {y:g}), and compared with that, {what}. Is this coordinate "
-        "right?"
+        f"the map reaches as far as ({x:g} {y:g}), and compared with that, {what}. Is this coordinate right?"
     )
 
 
@@ -544,15 +543,14 @@ def _meets(region, rows, starts, polygons):
     if not len(long):
         return False
     taken = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in long])
-    lines = shapely.linestrings(rows[taken], indices=np.repeat(
-        np.arange(len(long)), np.diff(starts)[long]))
+    lines = shapely.linestrings(rows[taken], indices=np.repeat(np.arange(len(long)), np.diff(starts)[long]))
     if shapely.intersects(region, lines).any():
         return True
     for point in shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(region))):
         for rings in polygons:
             odd = False
             for ring in rings:
-                x, y = (rows[starts[ring]:starts[ring + 1]] - point).T
+                x, y = (rows[starts[ring] : starts[ring + 1]] - point).T
                 over = (y[:-1] > 0.0) != (y[1:] > 0.0)
                 a, b = np.flatnonzero(over), np.flatnonzero(over) + 1
                 cut = x[a] - y[a] * (x[b] - x[a]) / (y[b] - y[a])
@@ -589,8 +587,9 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
         wanted *= scale * _share(xy, group, width) ** (1.0 - 1.0 / DILATATION)
     elif len(place):
         # as wide as it would like to be if its outermost points kept their scale
-        ends = np.concatenate([[place[xy[place, axis].argmin()], place[xy[place, axis].argmax()]]
-                               for axis in (0, 1)])
+        ends = np.concatenate(
+            [[place[xy[place, axis].argmin()], place[xy[place, axis].argmax()]] for axis in (0, 1)]
+        )
         first = np.flatnonzero(group >= 0)[0]
         fixed = [(axis, np.array([first]), 0.0) for axis in (0, 1)]
         free = xy + unbounded(xy, links, group, origin, scale, fixed, ends)
@@ -677,7 +676,7 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
     short = vertex[first]
     for number, lines in enumerate(polygons):
         check(number / len(polygons))
-        rings = [short[left[k]:left[k + 1]][:-1] for k in lines]
+        rings = [short[left[k] : left[k + 1]][:-1] for k in lines]
         if len(rings[0]) < 4:
             continue
         rings = rings[:1] + [ring for ring in rings[1:] if len(ring) > 2]

@@ -101,7 +101,7 @@ def coarsen(
             chosen &= rigid
         elif left - np.count_nonzero(chosen & ~rigid) < most and tolerance > TINY:
             some = np.flatnonzero(chosen & ~rigid)
-            chosen[some[max(left - most, 0):]] = False
+            chosen[some[max(left - most, 0) :]] = False
         count = np.count_nonzero(chosen)
         if count:
             inside = chosen[triangles]
@@ -209,7 +209,8 @@ def _shape(xy, triangles):
 def _cross(a, b, c):
     """Twice the signed area."""
     return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
-        c[..., 0] - a[..., 0])
+        c[..., 0] - a[..., 0]
+    )
 
 
 def reinsert(
@@ -243,8 +244,9 @@ def reinsert(
         v = into[number]
         u, p, q = rows.T
         whole = _cross(xy[v], xy[p], xy[q])
-        part = np.stack((_cross(xy[u], xy[p], xy[q]), _cross(xy[v], xy[u], xy[q]),
-                         _cross(xy[v], xy[p], xy[u])), axis=1)
+        part = np.stack(
+            (_cross(xy[u], xy[p], xy[q]), _cross(xy[v], xy[u], xy[q]), _cross(xy[v], xy[p], xy[u])), axis=1
+        )
         fan = (p != v) & (q != v)
         with np.errstate(all="ignore"):
             part = part / whole[:, None]

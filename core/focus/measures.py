@@ -74,7 +74,6 @@ def distortion(before: np.ndarray, after: np.ndarray, triangles: np.ndarray) -> 
     share = np.cumsum(area[order])
     total = share[-1] or 1.0
     median, high = (
-        float(angle[order[min(np.searchsorted(share, q * total), len(order) - 1)]])
-        for q in (0.5, 0.95)
+        float(angle[order[min(np.searchsorted(share, q * total), len(order) - 1)]]) for q in (0.5, 0.95)
     )
     return Distortion(float(area[~kept].sum() / total), median, high)

@@ -242,9 +242,7 @@ def _by_shapely(xy, segments):
         a, b = tree.query(shapely.linestrings(xy[edges]), predicate="crosses")
         crossed = crossing(xy[edges[a]], xy[segments[b]])
         edges = np.concatenate((segments, np.delete(edges, a[crossed], axis=0)))
-        faces = shapely.get_parts(
-            shapely.polygonize(shapely.linestrings(xy[unique_pairs(edges, len(xy))]))
-        )
+        faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[unique_pairs(edges, len(xy))])))
         large = shapely.get_num_coordinates(faces) > 4
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(faces[large]))
     except shapely.errors.GEOSException:

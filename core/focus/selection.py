@@ -124,7 +124,7 @@ def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable)
         worst = int(np.argmax(dilation)) if len(edge) else -1
         if worst < 0 or dilation[worst] <= tau * (1.0 + 1e-12):
             continue
-        chosen.append(edge[worst:worst + 1])
+        chosen.append(edge[worst : worst + 1])
         a, b, cut = i[worst], j[worst], length[edge[worst]]
         within = (i >= a) & (j <= b)
         within[worst] = False
@@ -132,12 +132,14 @@ def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable)
         beyond[worst] = False
         parts.append((np.append(step[a:b], cut), i[within] - a, j[within] - a, edge[within]))
         shift = b - a - 1
-        parts.append((
-            np.concatenate((step[:a], [cut], step[b:])),
-            i[beyond] - np.where(i[beyond] >= b, shift, 0),
-            j[beyond] - np.where(j[beyond] >= b, shift, 0),
-            edge[beyond],
-        ))
+        parts.append(
+            (
+                np.concatenate((step[:a], [cut], step[b:])),
+                i[beyond] - np.where(i[beyond] >= b, shift, 0),
+                j[beyond] - np.where(j[beyond] >= b, shift, 0),
+                edge[beyond],
+            )
+        )
     return _rows(polygon, edges[np.sort(np.concatenate(chosen))])
 
 

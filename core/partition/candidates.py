@@ -19,8 +19,16 @@ from .natural import natural
 from .polygon import Polygons, select, without_rings
 from .triangulation import diagonals, sides_of, triangulate
 
-__all__ = ["ACCEPTED", "CROSSES", "Diagonals", "Lines", "OFF_VERTICES", "counted", "from_lines",
-           "from_triangulation"]
+__all__ = [
+    "ACCEPTED",
+    "CROSSES",
+    "Diagonals",
+    "Lines",
+    "OFF_VERTICES",
+    "counted",
+    "from_lines",
+    "from_triangulation",
+]
 
 # What became of a line; PROBLEMS says it in words. The higher, the closer it was to a diagonal.
 ACCEPTED, OFF_VERTICES, LEAVES, TOUCHES, REPEATED, CROSSES = range(6)
@@ -140,9 +148,16 @@ class Diagonals(NamedTuple):
 
 
 def from_triangulation(
-    polygons: Polygons, component: np.ndarray, wanted: np.ndarray, *, measure: Metric,
-    smallest: np.ndarray | None = None, only_natural: bool = False, known: tuple | None = None,
-    engine: str | None = None, check: Callable = ignore,
+    polygons: Polygons,
+    component: np.ndarray,
+    wanted: np.ndarray,
+    *,
+    measure: Metric,
+    smallest: np.ndarray | None = None,
+    only_natural: bool = False,
+    known: tuple | None = None,
+    engine: str | None = None,
+    check: Callable = ignore,
 ) -> Diagonals:
     """Find the diagonals of triangulations that do not touch the boundary components left out.
 
@@ -173,9 +188,7 @@ def from_triangulation(
     if free.any():
         rest, vertex = without_rings(polygons, free)
         corner, _ = take(polygons.offsets, np.flatnonzero(~free))
-    triangles, verdict = known or triangulate(
-        rest, conformal=measure.conformal, engine=engine, check=check
-    )
+    triangles, verdict = known or triangulate(rest, conformal=measure.conformal, engine=engine, check=check)
     if (verdict != "").any():
         which = np.flatnonzero(verdict == "")
         corner = corner[take(rest.corner_offsets, which)[0]]
@@ -211,12 +224,12 @@ def _clear(polygons, free, edges):
     bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
     clear = np.ones(len(edges), dtype=bool)
     for p in np.unique(polygons.polygon_of_ring[free]).tolist():
-        ring = np.arange(*polygons.polygon_offsets[p:p + 2])
+        ring = np.arange(*polygons.polygon_offsets[p : p + 2])
         index, offsets = take(polygons.offsets, ring[free[ring]])
         holes = shapely.polygons(
             shapely.linearrings(polygons.xy[polygons.vertex[index]], indices=groups(offsets))
         )
-        lines = shapely.linestrings(polygons.xy[edges[bounds[p]:bounds[p + 1]]])
+        lines = shapely.linestrings(polygons.xy[edges[bounds[p] : bounds[p + 1]]])
         hit, _ = shapely.STRtree(holes).query(lines, predicate="intersects")
         clear[bounds[p] + hit] = False
     return clear
@@ -292,9 +305,7 @@ def _against_polygon(polygon, segments):
 
 def _crossings(one, other):
     """Pairs of segments that cross: lists of places in the one and in the other array."""
-    boxes = (
-        shapely.box(*segments.min(axis=1).T, *segments.max(axis=1).T) for segments in (other, one)
-    )
+    boxes = (shapely.box(*segments.min(axis=1).T, *segments.max(axis=1).T) for segments in (other, one))
     tree, boxes = shapely.STRtree(next(boxes)), next(boxes)
     a, b = tree.query(boxes)
     cross = crossing(one[a], other[b])

@@ -83,7 +83,10 @@ def components(polygons: Polygons) -> np.ndarray:
 
 
 def spanning_tree(
-    polygons: Polygons, component: np.ndarray, edges: np.ndarray, length: np.ndarray,
+    polygons: Polygons,
+    component: np.ndarray,
+    edges: np.ndarray,
+    length: np.ndarray,
     wanted: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Join the wanted boundary components of each polygon by a minimum spanning tree (Kruskal).
@@ -138,7 +141,10 @@ def spanning_tree(
 
 
 def carve(
-    polygons: Polygons, component: np.ndarray, edges: np.ndarray, tree: np.ndarray,
+    polygons: Polygons,
+    component: np.ndarray,
+    edges: np.ndarray,
+    tree: np.ndarray,
     wanted: np.ndarray,
 ) -> tuple[Walk, np.ndarray]:
     """Walk around the polygons carved open along T, and place all candidates on the walks.
@@ -230,10 +236,14 @@ def _turn(polygons, edges, tree, in_walk, after, leaves):
     sides[tree] = -1
     candidate, side = np.nonzero(np.append(several, False)[sides])
     at = np.concatenate((vertex[out], vertex[out], edges[tree].ravel(), edges[candidate, side]))
-    to = np.concatenate((
-        vertex[before[out]], vertex[polygons.next_corner[out]], edges[tree][:, ::-1].ravel(),
-        edges[candidate, 1 - side],
-    ))
+    to = np.concatenate(
+        (
+            vertex[before[out]],
+            vertex[polygons.next_corner[out]],
+            edges[tree][:, ::-1].ravel(),
+            edges[candidate, 1 - side],
+        )
+    )
     half = np.concatenate((before[out], out, ways, np.zeros(len(candidate), dtype=np.int64)))
     kind = np.repeat([_IN, _OUT, _TREE, _CANDIDATE], [len(out), len(out), len(ways), len(candidate)])
     number = np.append(np.zeros(len(at) - len(candidate), dtype=np.int64), 2 * candidate + side)
@@ -246,7 +256,7 @@ def _turn(polygons, edges, tree, in_walk, after, leaves):
     size = np.diff(np.append(first, len(at)))
     latest = np.maximum.accumulate(np.where(opens, np.arange(len(at)), -1))
     around = np.repeat(latest[first + size - 1], size)
-    latest = np.append(-1, latest)[:len(at)]
+    latest = np.append(-1, latest)[: len(at)]
     latest = half[np.where(latest >= np.repeat(first, size), latest, around)]
 
     closing = kind == _IN

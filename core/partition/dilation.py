@@ -21,8 +21,15 @@ from .polygon import Polygons
 if TYPE_CHECKING:
     from .solve import Carved
 
-__all__ = ["BoundaryGraph", "at_least_one", "boundary_graph", "detours", "drop_redundant", "largest_dilation",
-           "true_dilations"]
+__all__ = [
+    "BoundaryGraph",
+    "at_least_one",
+    "boundary_graph",
+    "detours",
+    "drop_redundant",
+    "largest_dilation",
+    "true_dilations",
+]
 
 
 class BoundaryGraph(NamedTuple):
@@ -61,8 +68,12 @@ class BoundaryGraph(NamedTuple):
 
 
 def boundary_graph(
-    polygons: Polygons, position: np.ndarray, edge_length: np.ndarray, edges: np.ndarray,
-    length: np.ndarray, selected: np.ndarray,
+    polygons: Polygons,
+    position: np.ndarray,
+    edge_length: np.ndarray,
+    edges: np.ndarray,
+    length: np.ndarray,
+    selected: np.ndarray,
 ) -> BoundaryGraph:
     """Contract P and S to the ends of the selected edges and the points where rings touch.
 
@@ -141,9 +152,7 @@ def boundary_graph(
     )
 
 
-def detours(
-    polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, length: np.ndarray
-) -> np.ndarray:
+def detours(polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, length: np.ndarray) -> np.ndarray:
     """Dilation of each edge in P before any cut; infinite where P does not connect its ends.
 
     Parameters
@@ -260,8 +269,13 @@ def true_dilations(
 
 
 def largest_dilation(
-    graph: BoundaryGraph, edges: np.ndarray, length: np.ndarray, bound: np.ndarray,
-    owner: np.ndarray, count: int, check: Callable,
+    graph: BoundaryGraph,
+    edges: np.ndarray,
+    length: np.ndarray,
+    bound: np.ndarray,
+    owner: np.ndarray,
+    count: int,
+    check: Callable,
 ) -> np.ndarray:
     """Largest dilation of each polygon in P and S, searching only where the upper bound may matter.
 
@@ -298,9 +312,17 @@ def largest_dilation(
 
 
 def drop_redundant(
-    graph: BoundaryGraph, edges: np.ndarray, length: np.ndarray, selected: np.ndarray,
-    weight: np.ndarray, bounded: np.ndarray, tau: np.ndarray, carved: Carved, role: np.ndarray,
-    bound: np.ndarray, check: Callable,
+    graph: BoundaryGraph,
+    edges: np.ndarray,
+    length: np.ndarray,
+    selected: np.ndarray,
+    weight: np.ndarray,
+    bounded: np.ndarray,
+    tau: np.ndarray,
+    carved: Carved,
+    role: np.ndarray,
+    bound: np.ndarray,
+    check: Callable,
 ) -> np.ndarray:
     """Drop selected edges without which all candidates are still within tau.
 
@@ -417,8 +439,9 @@ class _Witnesses:
         self.leaf = role == LEAF
         along_tree = np.flatnonzero(walk.edge < 0)
         along_tree = along_tree[np.argsort(-walk.edge[along_tree], kind="stable")].reshape(-1, 2)
-        self.passes = dict(zip(carved.tree.tolist(), zip(
-            along_tree.tolist(), face[tree.edge_face[along_tree]].tolist())))
+        self.passes = dict(
+            zip(carved.tree.tolist(), zip(along_tree.tolist(), face[tree.edge_face[along_tree]].tolist()))
+        )
         self.face = list(range(len(opens)))  # what each has become part of
         self.cuts = {}  # of the paths that are not the first ones
         self.added = {}  # for each cut, what came to use it
@@ -445,12 +468,14 @@ class _Witnesses:
         """The candidates whose path may use a cut, ascending."""
         if c in self.passes:
             (p, q), (one, other) = self.passes[c]
-            found = [e[within == self.leaf[e]] for e, within in (
-                self._within(one, p, p + 1), self._within(other, q, q + 1))]
+            found = [
+                e[within == self.leaf[e]]
+                for e, within in (self._within(one, p, p + 1), self._within(other, q, q + 1))
+            ]
         else:
             node = int(self.node[c])
             e, within = self._within(int(self.above[node]), int(self.i[c]), int(self.j[c]))
-            below = self.members[self.start[node]:self.start[node + 1]]
+            below = self.members[self.start[node] : self.start[node + 1]]
             found = [e[within == self.leaf[e]], below[~self.leaf[below]]]
         cuts = self.cuts
         first = np.concatenate(found)
@@ -461,7 +486,7 @@ class _Witnesses:
 
     def _within(self, face, i, j):
         """The candidates in a face, and which of them are around the places from i to j."""
-        e = self.members[self.start[face]:self.start[face + 1]]
+        e = self.members[self.start[face] : self.start[face + 1]]
         return e, (self.i[e] <= i) & (self.j[e] >= j)
 
     def lead_around(self, c, users, path, by):
@@ -534,7 +559,15 @@ def _path(graph, u, v, limit=inf, enough=0.0):
         # the smaller front goes on: where one end is cut off, this does not search all around the other
         if len(heap_2) < len(heap):
             heap, reached, came, goal, heap_2, reached_2, came_2, goal_2 = (
-                heap_2, reached_2, came_2, goal_2, heap, reached, came, goal)
+                heap_2,
+                reached_2,
+                came_2,
+                goal_2,
+                heap,
+                reached,
+                came,
+                goal,
+            )
         d, a = heappop(heap)
         if d > reached[a]:
             continue

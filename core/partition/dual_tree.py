@@ -88,10 +88,10 @@ def build_tree(offsets: np.ndarray, i: np.ndarray, j: np.ndarray) -> DualTree:
 
     # parent: the last bracket opened before, one level up, or the root edge of the walk
     parent_of = groups(offsets)[i] if roots > 1 else np.zeros(k, dtype=np.int64)  # by preorder rank
-    inner = level_order[depth_count[0]:] if k else level_order
+    inner = level_order[depth_count[0] :] if k else level_order
     key = depth[level_order] * k + level_order
     parent_of[inner] = node[
-        level_order[np.searchsorted(key, key[len(key) - len(inner):] - k, side="right") - 1]
+        level_order[np.searchsorted(key, key[len(key) - len(inner) :] - k, side="right") - 1]
     ]
     parent = np.full(roots + k, -1)
     parent[node] = parent_of

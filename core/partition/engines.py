@@ -152,11 +152,11 @@ def _by_triangle(xy, vertex_offsets, segments, segment_offsets, check):
         if p % CALLS == 0:
             check(p / len(survives))
         graph = {
-            "vertices": xy[vertex[p]:vertex[p + 1]],
-            "segments": segments[segment[p]:segment[p + 1]],
+            "vertices": xy[vertex[p] : vertex[p + 1]],
+            "segments": segments[segment[p] : segment[p + 1]],
         }
         if hole[p] < hole[p + 1]:
-            graph["holes"] = holes[hole[p]:hole[p + 1]]
+            graph["holes"] = holes[hole[p] : hole[p + 1]]
         # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
         try:
             found.append(call(graph, "pQBPN").get("triangles", nothing) if survives[p] else nothing)
@@ -208,9 +208,9 @@ def _by_pythoncdt(xy, vertex_offsets, segments, segment_offsets, check):
             check(p / len(good))
         try:
             found = pythoncdt.Triangulation(auto, no_crossings, 0.0)
-            found.insert_vertices(xy[vertex[p]:vertex[p + 1]])
-            found.insert_edges(local[segment[p]:segment[p + 1]])
-            raw[place[p]:place[p + 1]] = found.triangles_array(copy=False)
+            found.insert_vertices(xy[vertex[p] : vertex[p + 1]])
+            found.insert_edges(local[segment[p] : segment[p + 1]])
+            raw[place[p] : place[p + 1]] = found.triangles_array(copy=False)
         except (RuntimeError, ValueError):  # vertices or edges that coincide or cross
             good[p] = False
     return _inner(raw, offsets, xy, vertex_offsets, segments, segment_offsets, good)
@@ -279,12 +279,13 @@ def _by_shapely(xy, vertex_offsets, segments, segment_offsets, check):
         answers = []
         for k in range(0, len(shapes), CALLS):
             check(k / count if len(waiting) == count else None)
-            answers.append(_by_geos(shapes[k:k + CALLS]))
+            answers.append(_by_geos(shapes[k : k + CALLS]))
         answers = np.concatenate(answers)
         parts, polygon = shapely.get_parts(answers, return_index=True)
         polygon = waiting[polygon]
-        triangles = _vertices_at(shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3], polygon,
-                                 mirrored, vertex_offsets)
+        triangles = _vertices_at(
+            shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3], polygon, mirrored, vertex_offsets
+        )
         found.append(triangles if flip[0] * flip[1] < 0.0 else triangles[:, ::-1])
         owner.append(polygon)
         waiting = waiting[shapely.is_missing(answers)]
@@ -301,7 +302,7 @@ def _by_geos(shapes):
     except shapely.errors.GEOSException:
         if len(shapes) == 1:
             return np.array([None])
-    return np.concatenate([_by_geos(shapes[k:k + 1]) for k in range(len(shapes))])
+    return np.concatenate([_by_geos(shapes[k : k + 1]) for k in range(len(shapes))])
 
 
 def _shapes(xy, segments, segment_offsets):

@@ -22,8 +22,20 @@ from .parts import Parts
 from .solve import Partition, Prepared, Selection
 from .tradeoff import OverBudget, joint_solver, smallest_dilation, together, trade_off
 
-__all__ = ["Chunk", "GivenLines", "Pieces", "Problem", "by_feature", "curves", "cuts", "for_tau", "pieces",
-           "prepare", "within_budget", "without_vertex"]
+__all__ = [
+    "Chunk",
+    "GivenLines",
+    "Pieces",
+    "Problem",
+    "by_feature",
+    "curves",
+    "cuts",
+    "for_tau",
+    "pieces",
+    "prepare",
+    "within_budget",
+    "without_vertex",
+]
 
 # Features at once: more take memory, and longer until a cancelled run stops, but hardly less time
 CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
@@ -238,7 +250,8 @@ def prepare(
     reasons: dict[int, str] = {}
     floors = []
     for name, values, most in (
-        ("SMALLEST_PART", smallest_part, 100.0), ("MIN_LENGTH", min_length, math.inf),
+        ("SMALLEST_PART", smallest_part, 100.0),
+        ("MIN_LENGTH", min_length, math.inf),
         ("MIN_HOLE", min_hole, math.inf),
     ):
         bad = ~((values >= 0.0) & (values <= most))
@@ -365,9 +378,7 @@ def within_budget(
     return solve.select(problem.prepared, np.array(tau)[problem.owner], **options), unproven
 
 
-def curves(
-    problem: Problem, low: float, high: float, most: int, check: Callable = ignore
-) -> list[tuple]:
+def curves(problem: Problem, low: float, high: float, most: int, check: Callable = ignore) -> list[tuple]:
     """Follow the trade-off of each feature of a chunk.
 
     Parameters
@@ -399,9 +410,7 @@ def curves(
         of_cut = problem.owner[prepared.owner[selection.selected]]
         mine = solved[prepared.owner[selection.selected]]
         number = np.bincount(of_cut[mine], minlength=count)
-        length = np.bincount(
-            of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count
-        )
+        length = np.bincount(of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count)
         part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
         mine = solved[part_polygon]
         of_part, area = problem.owner[part_polygon[mine]], result.parts.area[mine]
@@ -417,7 +426,9 @@ def curves(
 def _trial(problem: Problem, check: Callable) -> dict[str, Any]:
     """How each trial of a search is solved."""
     return {
-        "weight": problem.weight, "max_gap": 0.0, "check": check,
+        "weight": problem.weight,
+        "max_gap": 0.0,
+        "check": check,
         "time_limit": TRIAL_LIMIT * max(len(problem.owner), 1),
     }
 
@@ -435,9 +446,7 @@ def without_vertex(problem: Problem, selection: Selection, tau: np.ndarray) -> i
 def by_feature(problem: Problem, values: np.ndarray) -> np.ndarray:
     """Sum up numbers of the prepared polygons that are solved, for each feature."""
     solved = problem.solved
-    return np.bincount(
-        problem.owner[solved], weights=values[solved], minlength=len(problem.chunk.features)
-    )
+    return np.bincount(problem.owner[solved], weights=values[solved], minlength=len(problem.chunk.features))
 
 
 def costs(problem: Problem, solution: Selection | Partition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -476,24 +485,20 @@ def pieces(problem: Problem, parts: Parts) -> Pieces:
     # the parts, and behind them the polygons as they came
     polygon = np.concatenate((part_polygon[solved], whole))
     piece = np.concatenate((solved, part_count + whole))
-    area = np.concatenate((
-        parts.area[solved], _areas(rings, whole, problem.chunk.measure)[0]
-    ))
+    area = np.concatenate((parts.area[solved], _areas(rings, whole, problem.chunk.measure)[0]))
     order = np.lexsort((piece, polygon, -area, owner[polygon]))
     rank = np.empty(part_count, dtype=np.int64)
     feature_offsets = offsets_of(np.bincount(owner[polygon], minlength=len(problem.chunk.features)))
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order)) - feature_offsets[owner[polygon[order]]] + 1
-    rank[solved] = place[:len(solved)]
+    rank[solved] = place[: len(solved)]
     polygon, piece, area = polygon[order], piece[order], area[order]
 
     single = np.bincount(part_polygon, minlength=count)[polygon] == 1
     piece = np.where(single, part_count + polygon, piece)
     rows = np.concatenate((parts.rows, np.arange(len(rings.coords))))
     offsets = np.append(parts.offsets[:-1], parts.offsets[-1] + rings.offsets)
-    ring_offsets = np.append(
-        parts.ring_offsets[:-1], parts.ring_offsets[-1] + rings.polygon_offsets
-    )
+    ring_offsets = np.append(parts.ring_offsets[:-1], parts.ring_offsets[-1] + rings.polygon_offsets)
     ring, ring_offsets = take(ring_offsets, piece)
     row, offsets = take(offsets, ring)
     return Pieces(feature_offsets, polygon, area, rows[row], offsets, ring_offsets, rank)

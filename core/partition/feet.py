@@ -51,9 +51,7 @@ class Places(NamedTuple):
     length: np.ndarray
 
 
-def places(
-    polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metric
-) -> Places:
+def places(polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metric) -> Places:
     """Find the places where a cut could end inside an edge.
 
     Parameters
@@ -136,9 +134,7 @@ def concave_places(polygons: Polygons, found: Places, outline: Outline) -> np.nd
     return bends(outline, polygons.ring_of_corner, own, found.length)[:, 0] >= BENT
 
 
-def large_places(
-    polygons: Polygons, found: Places, measure: Metric, smallest: np.ndarray
-) -> np.ndarray:
+def large_places(polygons: Polygons, found: Places, measure: Metric, smallest: np.ndarray) -> np.ndarray:
     """At which places neither side of a cut is too small; true where it would join two rings.
 
     Parameters
@@ -173,8 +169,14 @@ def large_places(
 
 
 def with_feet(
-    polygons: Polygons, rings: Rings, free: np.ndarray, smallest: np.ndarray, *, measure: Metric,
-    engine: str | None = None, check: Callable = ignore,
+    polygons: Polygons,
+    rings: Rings,
+    free: np.ndarray,
+    smallest: np.ndarray,
+    *,
+    measure: Metric,
+    engine: str | None = None,
+    check: Callable = ignore,
 ) -> tuple[Polygons, np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
     """Insert the feet as vertices.
 

@@ -120,8 +120,9 @@ def hierarchy(prepared: Prepared, selection: Selection, check: Callable = ignore
     roots = net.tree.roots
     cut = np.append(np.ones(roots, dtype=bool), chosen[node_edge])
     bounded = np.append(np.zeros(roots, dtype=bool), prepared.bounded[node_edge])
-    around = np.append(np.full(roots, -1), carved.walk.i[node_edge]), np.append(
-        np.full(roots, -1), carved.walk.j[node_edge]
+    around = (
+        np.append(np.full(roots, -1), carved.walk.i[node_edge]),
+        np.append(np.full(roots, -1), carved.walk.j[node_edge]),
     )
     parts = _Parts(net, cut, bounded, *around, check)
 
@@ -193,9 +194,7 @@ class _Parts:
         inner = inner[np.argsort(top[inner], kind="stable")]
         start = np.searchsorted(top[inner], tops)
         stop = np.searchsorted(top[inner], tops, side="right")
-        self.nodes = {
-            k: [inner[lo:hi]] for k, lo, hi in zip(tops.tolist(), start.tolist(), stop.tolist())
-        }
+        self.nodes = {k: [inner[lo:hi]] for k, lo, hi in zip(tops.tolist(), start.tolist(), stop.tolist())}
         self.size = dict(zip(tops.tolist(), (stop - start).tolist()))
         # one memory for the loops, which want plain numbers, and for the array calls
         self.low = array("d", np.where(cut, -np.inf, below).tobytes())  # ways below; cuts have none
@@ -203,7 +202,7 @@ class _Parts:
         self.length, self.is_bounded = net.length.tolist(), bounded.tolist()
         self.i, self.j = i, j
         self.i_of, self.j_of = i.tolist(), j.tolist()
-        self.kid = np.argsort(tree.parent[tree.roots:], kind="stable") + tree.roots
+        self.kid = np.argsort(tree.parent[tree.roots :], kind="stable") + tree.roots
         kids = np.searchsorted(tree.parent[self.kid], np.arange(count + 1))
         self.kids, self.kid_start = self.kid.tolist(), kids.tolist()
 
@@ -306,9 +305,7 @@ class _Parts:
         return (self.i[nodes] <= self.i[cut]) & (self.j[cut] <= self.j[nodes])
 
 
-def levels(
-    found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float | np.ndarray
-) -> Levels:
+def levels(found: Hierarchy, sides: np.ndarray, count: int, smallest_tau: float | np.ndarray) -> Levels:
     """Make the parts of all levels from those of the finest partition.
 
     Parameters

@@ -62,9 +62,7 @@ class Network(NamedTuple):
         return len(self.length) < NARROW * len(self.tree.level_start)
 
 
-def network(
-    tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_length: np.ndarray
-) -> Network:
+def network(tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_length: np.ndarray) -> Network:
     """Join dual trees with the lengths of their edges.
 
     Parameters
@@ -109,7 +107,7 @@ def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = Non
     solve = _states_by_node if net.narrow else _states_by_level
     leaf, value, serves = solve(net, tau, check or ignore)
     role = np.where(leaf, LEAF, SELF).astype(np.int8)
-    role[:net.tree.roots] = SELF
+    role[: net.tree.roots] = SELF
     role[_served(net, leaf, value, serves)] = ROOT
     return role
 
@@ -167,9 +165,7 @@ def _states_by_level(net, tau, check):
         spare = best[e] - total[e]
         serves[e] = spare >= length[e] * (1.0 - SLACK)
         leaf[e] = ~serves[e] & (total[e] <= allowed[e] * (1.0 + SLACK))
-        value[e] = np.where(
-            leaf[e], total[e], np.where(serves[e], np.minimum(allowed[e], spare), allowed[e])
-        )
+        value[e] = np.where(leaf[e], total[e], np.where(serves[e], np.minimum(allowed[e], spare), allowed[e]))
         if d:
             up = levels[d - 1]
             relative = parent[e] - up.start
@@ -238,9 +234,7 @@ def _sides_by_level(net, cut, check):
             check()
         e, up = levels[d], levels[d - 1]
         offer = _way(cut, e, length[e], below[e])
-        below[up] += np.bincount(
-            parent[e] - up.start, weights=offer, minlength=up.stop - up.start
-        )
+        below[up] += np.bincount(parent[e] - up.start, weights=offer, minlength=up.stop - up.start)
     offer = _way(cut, slice(None), length, below)
     above = np.full(len(length), np.inf)
     for d in range(1, len(levels)):

@@ -473,7 +473,12 @@ class _Pass:
             collect((2 * item + demand)[row], i[row], j[k], weight[k], value[k])
         for item in np.flatnonzero(total > pareto.DENSE):
             demand, *found = pareto.dense_pairs(
-                front, left[item], right[item], base[item], value_cap[:, item], weight_cap[:, item],
+                front,
+                left[item],
+                right[item],
+                base[item],
+                value_cap[:, item],
+                weight_cap[:, item],
                 self.check,
             )
             collect(2 * item + demand, *found)
@@ -761,9 +766,7 @@ class _Search:
 
     def _pass(self, points, lower, prune):
         low = self.best.lower[self.trees]
-        return _Pass(
-            self.forest, self.outside, points, lower, self.guide, low, prune, self.best.check
-        )
+        return _Pass(self.forest, self.outside, points, lower, self.guide, low, prune, self.best.check)
 
     def _solution(self, points):
         """An upper-bound pass: what is cheaper than the best known is of interest, however little."""

@@ -30,8 +30,25 @@ from ..metric import Metric
 from ..rings import following, groups, locate, offsets_of, previous, ranges, running
 from .polygon import Polygons
 
-__all__ = ["BENT", "DETAIL", "EVEN", "KEPT", "SMALL", "STRAIGHT", "Natural", "Outline", "RULES", "USED",
-           "WIDER", "bends", "edges_of_triangles", "generalised", "natural", "one_by_one", "opens"]
+__all__ = [
+    "BENT",
+    "DETAIL",
+    "EVEN",
+    "KEPT",
+    "SMALL",
+    "STRAIGHT",
+    "Natural",
+    "Outline",
+    "RULES",
+    "USED",
+    "WIDER",
+    "bends",
+    "edges_of_triangles",
+    "generalised",
+    "natural",
+    "one_by_one",
+    "opens",
+]
 
 # Why a diagonal is no candidate. Each diagonal has the first that holds.
 RULES = KEPT, SMALL, STRAIGHT, EVEN, USED = range(5)
@@ -109,8 +126,12 @@ class Outline(NamedTuple):
 
 
 def natural(
-    polygons: Polygons, edges: np.ndarray, triangles: np.ndarray, position: np.ndarray,
-    measure: Metric, smallest: np.ndarray,
+    polygons: Polygons,
+    edges: np.ndarray,
+    triangles: np.ndarray,
+    position: np.ndarray,
+    measure: Metric,
+    smallest: np.ndarray,
 ) -> Natural:
     """Choose the diagonals of polygons where people would cut.
 
@@ -165,8 +186,10 @@ def natural(
     beside, across = edges_of_triangles(triangles, edges, len(polygons.xy))
     around = beside[left]
     sides = np.stack(
-        [measure.length(position, triangles[around, k].ravel(), triangles[around, k - 1].ravel())
-         for k in range(3)]
+        [
+            measure.length(position, triangles[around, k].ravel(), triangles[around, k - 1].ravel())
+            for k in range(3)
+        ]
     ).reshape(3, -1, 2)
     longest = np.where(around >= 0, sides.max(axis=0), 0.0)
     even = left[longest.max(axis=1, initial=0.0) < WIDER * length[left]]
@@ -178,9 +201,7 @@ def natural(
     # detail 88 % had the same ends at another, so 92 %. Powers of the bend from 0.3 to 0.6 do the same.
     left = np.flatnonzero(verdict == KEPT)
     order = left[np.lexsort((left, length[left] / np.sqrt(bend[left])))]
-    verdict[order] = one_by_one(
-        polygons, outline, corner[order], length[order], plane, terms, area, smallest
-    )
+    verdict[order] = one_by_one(polygons, outline, corner[order], length[order], plane, terms, area, smallest)
     why[large] = verdict
     return Natural(why == KEPT, measured, share, why, outline)
 
@@ -208,7 +229,10 @@ def _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner):
 
 
 def generalised(
-    plane: np.ndarray, point: np.ndarray, offsets: np.ndarray, edge_length: np.ndarray,
+    plane: np.ndarray,
+    point: np.ndarray,
+    offsets: np.ndarray,
+    edge_length: np.ndarray,
     least: np.ndarray,
 ) -> Outline:
     """Generalise rings by the area that matters (Visvalingam and Whyatt 1993, Cartogr. J. 30).
@@ -319,9 +343,7 @@ def _outlines(plane, point, offsets, edge_length, least):
     return finest, total / SCALES
 
 
-def bends(
-    outline: Outline, ring: np.ndarray, corner: np.ndarray, length: np.ndarray
-) -> np.ndarray:
+def bends(outline: Outline, ring: np.ndarray, corner: np.ndarray, length: np.ndarray) -> np.ndarray:
     """How concave the generalised outline is at the ends of diagonals (the minima rule).
 
     Parameters
@@ -350,9 +372,7 @@ def bends(
     return _bend(at, before, after)
 
 
-def edges_of_triangles(
-    triangles: np.ndarray, edges: np.ndarray, n: int
-) -> tuple[np.ndarray, np.ndarray]:
+def edges_of_triangles(triangles: np.ndarray, edges: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Which triangles lie beside each edge, and which edges bound each triangle.
 
     Parameters
@@ -397,7 +417,10 @@ def edges_of_triangles(
 
 
 def opens(
-    asked: np.ndarray, length: np.ndarray, middle: np.ndarray, beside: np.ndarray,
+    asked: np.ndarray,
+    length: np.ndarray,
+    middle: np.ndarray,
+    beside: np.ndarray,
     across: np.ndarray,
 ) -> np.ndarray:
     """Whether the polygon gets wider by a step within reach of diagonals (necks and limbs).
@@ -446,8 +469,14 @@ def opens(
 
 
 def one_by_one(
-    polygons: Polygons, outline: Outline, corner: np.ndarray, length: np.ndarray,
-    plane: np.ndarray, terms: tuple, area: np.ndarray, smallest: np.ndarray,
+    polygons: Polygons,
+    outline: Outline,
+    corner: np.ndarray,
+    length: np.ndarray,
+    plane: np.ndarray,
+    terms: tuple,
+    area: np.ndarray,
+    smallest: np.ndarray,
 ) -> np.ndarray:
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
@@ -499,8 +528,7 @@ def one_by_one(
         i, j = bisect(cuts.get(u, ()), at_u), bisect(cuts.get(v, ()), at_v)
         a, b = pieces.get(u, (u,))[i], pieces.get(v, (v,))[j]
         bend = sum(
-            _bend_at(point[x], _walk(x, before, point, reach), _walk(x, after, point, reach))
-            for x in (a, b)
+            _bend_at(point[x], _walk(x, before, point, reach), _walk(x, after, point, reach)) for x in (a, b)
         )
         if bend < LEFT:
             verdict[k] = USED

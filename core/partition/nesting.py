@@ -91,14 +91,10 @@ def nest(
             problem.refuse(f, f"PARTS must be a whole number of at least 1, and is {wanted[f]:g}")
             wanted[f] = np.nan
 
-    selection = select(
-        prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False
-    )
+    selection = select(prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False)
     found = hierarchy(prepared, selection, stretch(check, 0.2, 1.0))
     selected, tree = selection.selected, selection.carved.tree
-    parts = build_parts(
-        prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area
-    )
+    parts = build_parts(prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area)
 
     feature = problem.owner[prepared.owner[selected]]
     cuts = problem.solved[prepared.owner[selected]]
@@ -112,7 +108,7 @@ def nest(
     in_tree = np.isin(selected, tree)
     polygons = np.bincount(problem.chunk.owner, minlength=len(features))
     for f in np.flatnonzero(wanted >= 1.0).tolist():
-        own = by_rank[first[f]:first[f + 1]]
+        own = by_rank[first[f] : first[f + 1]]
         own = own[~in_tree[own]]
         kept = int(min(max(wanted[f] - polygons[f], 0), len(own)))
         missed += int(polygons[f] > 0 and polygons[f] + kept != wanted[f])
@@ -131,7 +127,9 @@ def nest(
         rank=rank,
         cuts=cuts,
         levels=levels(
-            found._replace(persistence=goes), parts.sides, len(part_polygon),
+            found._replace(persistence=goes),
+            parts.sides,
+            len(part_polygon),
             tau[problem.owner[part_polygon]],
         ),
         tau=tau,
@@ -241,9 +239,7 @@ def items_of(problem: Problem, nested: Nested) -> Items:
     parent = np.append(made.parent, -1)[part]
     for f, (least, most) in nested.ranges.items():
         from_tau[feature == f], to_tau[feature == f] = least, most
-    return Items(
-        feature, place, place_of[parent], steps - steps[first], from_tau, to_tau, area, part, whole
-    )
+    return Items(feature, place, place_of[parent], steps - steps[first], from_tau, to_tau, area, part, whole)
 
 
 def cuts(problem: Problem, nested: Nested) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
@@ -257,10 +253,16 @@ def cuts(problem: Problem, nested: Nested) -> tuple[np.ndarray, np.ndarray, dict
     order = np.lexsort((nested.rank[which], feature))
     which, feature = which[order], feature[order]
     edges = selected[which]
-    return feature, edges, {
-        "length": prepared.chord[edges], "detour": prepared.detour[edges],
-        "persistence": nested.persistence[which], "rank": nested.rank[which],
-    }
+    return (
+        feature,
+        edges,
+        {
+            "length": prepared.chord[edges],
+            "detour": prepared.detour[edges],
+            "persistence": nested.persistence[which],
+            "rank": nested.rank[which],
+        },
+    )
 
 
 def shapes(problem: Problem, nested: Nested, items: Items, polygons: Callable[..., Iterator]) -> Iterator:
@@ -285,8 +287,13 @@ def shapes(problem: Problem, nested: Nested, items: Items, polygons: Callable[..
         size = made.last[own] - made.first[own]
         lo = 0
         for rows, offsets, ring_offsets in merged_parts(
-            problem.prepared.polygons, carved.walk, nested.selection.selected, carved.tree, parts,
-            made.leaf[ranges(made.first[own], size)], offsets_of(size),
+            problem.prepared.polygons,
+            carved.walk,
+            nested.selection.selected,
+            carved.tree,
+            parts,
+            made.leaf[ranges(made.first[own], size)],
+            offsets_of(size),
         ):
             hi = lo + len(ring_offsets) - 1
             yield from polygons(which[lo:hi], rows, offsets, ring_offsets)

@@ -134,9 +134,7 @@ def pack(major: np.ndarray, minor: np.ndarray) -> np.ndarray:
     return key
 
 
-def pareto(
-    seg: np.ndarray, weight: np.ndarray, value: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def pareto(seg: np.ndarray, weight: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points that no other of the same segment dominates, sorted by (segment, weight).
 
     Segments must ascend. Of equal points the first remains. O(N log N). Returns positions and segments.
@@ -168,9 +166,7 @@ def pair_count(front: Front, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     return offer_l * (offer_r + demand_r) + demand_l * offer_r
 
 
-def small_pairs(
-    front: Front, left: np.ndarray, right: np.ndarray, items: np.ndarray
-) -> Iterator[tuple]:
+def small_pairs(front: Front, left: np.ndarray, right: np.ndarray, items: np.ndarray) -> Iterator[tuple]:
     """All pairs of points of the given items, in chunks: are they demands, and rows and pairs.
 
     A row is a point of a left edge with all points of the right one that it can be added to. Rows:
@@ -201,8 +197,7 @@ def small_pairs(
 def blocks(front: Front, left: int, right: int) -> Iterator[tuple[int, slice, slice]]:
     """The three products of one item: is it a demand, points of the left, points of the right."""
     offer_l, demand_l, offer_r, demand_r = (
-        slice(front.ptr[s], front.ptr[s + 1])
-        for s in (2 * left, 2 * left + 1, 2 * right, 2 * right + 1)
+        slice(front.ptr[s], front.ptr[s + 1]) for s in (2 * left, 2 * left + 1, 2 * right, 2 * right + 1)
     )
     for demand, x, y in ((0, offer_l, offer_r), (1, offer_l, demand_r), (1, demand_l, offer_r)):
         rows = max(1, CHUNK // max(1, y.stop - y.start))
@@ -212,7 +207,12 @@ def blocks(front: Front, left: int, right: int) -> Iterator[tuple[int, slice, sl
 
 
 def dense_pairs(
-    front: Front, left: int, right: int, base: float, value_cap: np.ndarray, weight_cap: np.ndarray,
+    front: Front,
+    left: int,
+    right: int,
+    base: float,
+    value_cap: np.ndarray,
+    weight_cap: np.ndarray,
     check: Callable,
 ) -> list[np.ndarray]:
     """Useful sums of one item with many pairs: is it a demand, point, point, weight, value."""
@@ -229,9 +229,7 @@ def dense_pairs(
             useful[0, 0] = True
         k = np.flatnonzero(useful)
         i, j = np.divmod(k, len(wy))
-        parts.append(
-            (np.full(len(k), demand), i + x.start, j + y.start, weight.ravel()[k], value.ravel()[k])
-        )
+        parts.append((np.full(len(k), demand), i + x.start, j + y.start, weight.ravel()[k], value.ravel()[k]))
     return [np.concatenate(x) for x in zip(*parts)]
 
 
@@ -272,7 +270,11 @@ def first_points(
 
 
 def assemble(
-    whole: Front, keep: np.ndarray, seg: np.ndarray, value: np.ndarray, own: tuple,
+    whole: Front,
+    keep: np.ndarray,
+    seg: np.ndarray,
+    value: np.ndarray,
+    own: tuple,
     root: tuple | None = None,
 ) -> Front:
     """Fronts of the points to keep, with SELF behind the offers and full ROOT behind the demands.
@@ -301,7 +303,10 @@ def assemble(
 
 
 def groups(
-    front: Front, long: np.ndarray, allowed: np.ndarray, base: np.ndarray,
+    front: Front,
+    long: np.ndarray,
+    allowed: np.ndarray,
+    base: np.ndarray,
     slack: np.ndarray | None = None,
 ) -> np.ndarray:
     """First point of every group of long fronts; points of the other fronts are groups of their own.

@@ -92,8 +92,7 @@ def build_parts(
     free, target = _free_holes(polygons, walk, faces.polygon, owner, corners, offsets)
     owner, corners, offsets = _with_holes(polygons, owner, corners, offsets, free, target)
     xy = equal_area(polygons.xy)
-    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets),
-                       minlength=count)
+    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets), minlength=count)
     area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
     polygon = faces.polygon
     order = np.lexsort((np.arange(count), -area, polygon))
@@ -103,19 +102,25 @@ def build_parts(
     sides = np.empty((len(selected), 2), dtype=np.int64)
     sides[is_cut] = np.column_stack((rank[below], rank[above]))
     if len(tree):
-        sides[~is_cut] = rank[_faces_of_tree(walk, faces.face[:len(walk.corner)], np.searchsorted(
-            tree, selected[~is_cut]))]
+        sides[~is_cut] = rank[
+            _faces_of_tree(walk, faces.face[: len(walk.corner)], np.searchsorted(tree, selected[~is_cut]))
+        ]
     unit = polygons.unit[polygon[order]]
     with np.errstate(over="ignore"):
         area = area[order] * unit * unit
     rows, offsets, ring_offsets = _rows(polygons, rank[owner], corners, offsets, count, polygon[owner])
-    return Parts(rows, offsets, ring_offsets,
-                 offsets_of(np.bincount(polygon, minlength=roots)), area, sides)
+    return Parts(rows, offsets, ring_offsets, offsets_of(np.bincount(polygon, minlength=roots)), area, sides)
 
 
 def merged_parts(
-    polygons: Polygons, walk: Walk, selected: np.ndarray, tree: np.ndarray, parts: Parts,
-    pieces: np.ndarray, offsets: np.ndarray, most: int = 2_000_000,
+    polygons: Polygons,
+    walk: Walk,
+    selected: np.ndarray,
+    tree: np.ndarray,
+    parts: Parts,
+    pieces: np.ndarray,
+    offsets: np.ndarray,
+    most: int = 2_000_000,
 ) -> Iterator:
     """Yield what `build_parts` makes of unions of parts, without the cuts between their pieces.
 
@@ -156,8 +161,11 @@ def merged_parts(
 
     by_face = np.argsort(faces.face * m + faces.place, kind="stable")
     finest = _rings(
-        polygons, walk, np.searchsorted(faces.face[by_face], np.arange(len(number) + 1)),
-        faces.place[by_face], faces.edge[by_face],
+        polygons,
+        walk,
+        np.searchsorted(faces.face[by_face], np.arange(len(number) + 1)),
+        faces.place[by_face],
+        faces.edge[by_face],
     )
     free, target = _free_holes(polygons, walk, faces.polygon, *finest)
     by_target = np.argsort(number[target], kind="stable")
@@ -168,8 +176,8 @@ def merged_parts(
     lo = 0
     while lo < len(size):
         hi = max(int(np.searchsorted(total, total[lo] - size[lo] + most, side="right")), lo + 1)
-        own = pieces[offsets[lo]:offsets[hi]]
-        union = np.repeat(np.arange(hi - lo), np.diff(offsets[lo:hi + 1]))
+        own = pieces[offsets[lo] : offsets[hi]]
+        union = np.repeat(np.arange(hi - lo), np.diff(offsets[lo : hi + 1]))
         index, its = take(start, own)
         half, of = order[index], np.repeat(union, np.diff(its))
         # a cut with both half-edges in a union is inside
@@ -182,7 +190,10 @@ def merged_parts(
         along = np.argsort(of * m + faces.place[half], kind="stable")
         half, of = half[along], of[along]
         owner, corners, rings = _rings(
-            polygons, walk, np.searchsorted(of, np.arange(hi - lo + 1)), faces.place[half],
+            polygons,
+            walk,
+            np.searchsorted(of, np.arange(hi - lo + 1)),
+            faces.place[half],
             faces.edge[half],
         )
         index, its = take(free_start, own)
@@ -267,7 +278,7 @@ def _free_holes(polygons, walk, polygon_of, owner, corners, offsets):
     target = np.empty(len(free), dtype=np.int64)
     for holes in np.split(np.arange(len(free)), np.flatnonzero(np.diff(free_polygon)) + 1):
         p = free_polygon[holes[0]]
-        ring = by_polygon[bounds[p]:bounds[p + 1]]
+        ring = by_polygon[bounds[p] : bounds[p + 1]]
         index, own = take(offsets, ring)
         lines = shapely.linearrings(points[corners[index]], indices=groups(own))
         is_shell = shapely.is_ccw(lines)
@@ -308,8 +319,7 @@ def _rows(polygons, owner, corners, offsets, count, polygon):
     order = np.argsort(owner, kind="stable")
     several = np.flatnonzero(np.bincount(owner, minlength=count)[owner[order]] > 1)
     if len(several):
-        order[several] = order[several][_shells_first(polygons, owner, corners, offsets,
-                                                      order[several])]
+        order[several] = order[several][_shells_first(polygons, owner, corners, offsets, order[several])]
     corner, _ = take(offsets, order)
     corner = corners[corner]
     repeat = np.diff(polygons.row_start)[corner]

@@ -204,7 +204,7 @@ def is_valid(shape: np.ndarray) -> np.ndarray:
     except shapely.errors.GEOSException:
         if len(shape) == 1:
             return np.zeros(1, dtype=bool)
-        return np.array([is_valid(shape[k:k + 1])[0] for k in range(len(shape))])
+        return np.array([is_valid(shape[k : k + 1])[0] for k in range(len(shape))])
 
 
 def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]:
@@ -294,8 +294,18 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
     is_hole = np.diff(polygon, prepend=-1) == 0
     if not len(ring):
         none = np.empty(0, dtype=np.int64)
-        return Polygons(np.empty((0, 2)), np.empty(0), none, np.zeros(1, np.int64), np.zeros(1, np.int64),
-                        none, np.zeros(1, np.int64), np.empty(0, bool), np.empty(0, bool), none)
+        return Polygons(
+            np.empty((0, 2)),
+            np.empty(0),
+            none,
+            np.zeros(1, np.int64),
+            np.zeros(1, np.int64),
+            none,
+            np.zeros(1, np.int64),
+            np.empty(0, bool),
+            np.empty(0, bool),
+            none,
+        )
     # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
     first, end = corner_offsets[:-1], corner_offsets[1:]
     corner_xy = xy[starts]
@@ -382,8 +392,10 @@ def _merge_touching(polygons):
     shared = np.repeat(size > 1, size)
     size_of, begin = size[size > 1], offsets_of(size[size > 1])[:-1]
     ring = polygons.ring_of_corner[corners[shared]]
-    pair = np.repeat(ring, np.repeat(size_of, size_of)), ring[
-        ranges(np.repeat(begin, size_of), np.repeat(size_of, size_of))]
+    pair = (
+        np.repeat(ring, np.repeat(size_of, size_of)),
+        ring[ranges(np.repeat(begin, size_of), np.repeat(size_of, size_of))],
+    )
     count = len(polygons.offsets)
     on_edge = ~np.isin(one * count + other, pair[0] * count + pair[1])
     if on_edge.any():
@@ -422,11 +434,11 @@ def _touching(polygons):
     met = shell[shapely.intersects(lines[shell], lines[shell + 1])]
     found = [(met, met + 1), (met + 1, met)]
     for p in np.flatnonzero(holes > 1).tolist():
-        lo, hi = polygons.polygon_offsets[p:p + 2].tolist()
-        tree = shapely.STRtree(lines[lo + 1:hi])
+        lo, hi = polygons.polygon_offsets[p : p + 2].tolist()
+        tree = shapely.STRtree(lines[lo + 1 : hi])
         met = lo + 1 + tree.query(lines[lo], predicate="intersects")
         shell = np.full(len(met), lo)
-        pairs = tree.query(lines[lo + 1:hi], predicate="intersects")
+        pairs = tree.query(lines[lo + 1 : hi], predicate="intersects")
         found += [(met, shell), (shell, met), lo + 1 + pairs[:, pairs[0] != pairs[1]]]
     return np.concatenate(found, axis=1)
 
@@ -440,9 +452,7 @@ def _insert_corners(polygons, touching):
         corners, _ = take(polygons.offsets, rings)
         ends = corners[following(offsets_of(np.diff(polygons.offsets)[rings]))]
         segments = shapely.linestrings(np.stack((xy[corners], xy[ends]), axis=1))
-        point, edge = shapely.STRtree(segments).query(
-            shapely.points(xy[corners]), predicate="intersects"
-        )
+        point, edge = shapely.STRtree(segments).query(shapely.points(xy[corners]), predicate="intersects")
         points.append(corners[point])
         edges.append(corners[edge])
     point, edge = np.concatenate(points), np.concatenate(edges)
@@ -455,18 +465,14 @@ def _insert_corners(polygons, touching):
     along = np.lexsort((np.hypot(offset[:, 0], offset[:, 1]), edge))
     point, edge = point[along], edge[along]
     # two rings may touch an edge at the same point: one corner is enough
-    repeated = np.append(
-        False, (edge[1:] == edge[:-1]) & (xy[point[1:]] == xy[point[:-1]]).all(1)
-    )
+    repeated = np.append(False, (edge[1:] == edge[:-1]) & (xy[point[1:]] == xy[point[:-1]]).all(1))
     point, edge = point[~repeated], edge[~repeated]
 
     place = edge + 1
     added = np.bincount(
         np.searchsorted(polygons.offsets, edge, side="right"), minlength=len(polygons.offsets)
     )
-    rows = np.insert(
-        polygons.rows, polygons.row_start[place], polygons.rows[polygons.row_start[point]]
-    )
+    rows = np.insert(polygons.rows, polygons.row_start[place], polygons.rows[polygons.row_start[point]])
     row_count = np.insert(np.diff(polygons.row_start), place, 1)
     xy = np.insert(xy, place, xy[point], axis=0)
     return polygons._replace(

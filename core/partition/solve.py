@@ -383,8 +383,7 @@ def prepare(
     check(0.0)
     polygons, verdict = from_rings(rings)
     smallest, min_length, min_hole = (
-        np.broadcast_to(np.asarray(x, dtype=float), len(verdict))
-        for x in (smallest, min_length, min_hole)
+        np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in (smallest, min_length, min_hole)
     )
     min_hole = np.maximum(min_hole, smallest)
     generalise = lines is None and (natural or bool((smallest > 0.0).any()))
@@ -394,9 +393,13 @@ def prepare(
     if new_vertices and lines is None:
         free = ~wanted[component]
         polygons, new_rows, known = with_feet(
-            polygons, rings, free,
+            polygons,
+            rings,
+            free,
             smallest[polygons.number] / polygons.unit / polygons.unit,
-            measure=measure, engine=engine, check=check,
+            measure=measure,
+            engine=engine,
+            check=check,
         )
         component, wanted, attachable = _components(polygons, measure, min_hole)
         if (free != ~wanted[component]).any():  # a vertex more changed the area of a hole by its last bit
@@ -406,9 +409,15 @@ def prepare(
     more: dict[str, np.ndarray] = {}  # what else belongs to the edges
     if lines is None:
         found = from_triangulation(
-            polygons, component, wanted, measure=measure, engine=engine,
-            smallest=smallest[polygons.number] if generalise else None, only_natural=natural,
-            known=known, check=stretch(check, 0.15, 0.7),
+            polygons,
+            component,
+            wanted,
+            measure=measure,
+            engine=engine,
+            smallest=smallest[polygons.number] if generalise else None,
+            only_natural=natural,
+            known=known,
+            check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
         chosen = np.ones(len(edges), dtype=bool)
@@ -564,9 +573,7 @@ def select(
             fewest = select(plain, tau, check=check, with_dilation=False).selected
             paid = ones if weight is None else weight
             dearer = _sums(owner, paid, fewest, count) < _sums(owner, paid, selected, count)
-            selected = np.sort(np.append(
-                selected[~dearer[owner[selected]]], fewest[dearer[owner[fewest]]]
-            ))
+            selected = np.sort(np.append(selected[~dearer[owner[selected]]], fewest[dearer[owner[fewest]]]))
         carved = _with_tree_in(prepared, selected)
     dilation = None
     if with_dilation:
@@ -577,7 +584,10 @@ def select(
 
 
 def finish(
-    prepared: Prepared, selection: Selection, *, all_dilations: bool = False,
+    prepared: Prepared,
+    selection: Selection,
+    *,
+    all_dilations: bool = False,
     check: Callable = ignore,
 ) -> Partition:
     """Make the parts of a solution.
@@ -605,8 +615,11 @@ def finish(
     elif prepared.with_holes.any():
         some = np.flatnonzero(prepared.with_holes[prepared.owner])
         dilation[some] = true_dilations(
-            _graph(prepared, selection.selected), prepared.edges[some], prepared.length[some],
-            dilation[some], check,
+            _graph(prepared, selection.selected),
+            prepared.edges[some],
+            prepared.length[some],
+            dilation[some],
+            check,
         )
     check()
     return Partition(
@@ -792,7 +805,7 @@ def _metric(prepared, carved):
     below, above = witness_lengths(net, None)
     node_length = np.minimum(net.length, np.minimum(below, above))
     length = prepared.length.copy()
-    length[carved.node_edge] = node_length[net.tree.roots:]
+    length[carved.node_edge] = node_length[net.tree.roots :]
     carved = carved._replace(net=net._replace(length=node_length))
     return prepared._replace(length=length), carved
 
@@ -801,7 +814,7 @@ def _connection_problems(polygons, component, wanted, apart):
     """For each polygon '', or which holes its candidates do not connect."""
     problem = np.full(len(apart), "", dtype=object)
     for p in np.flatnonzero(apart).tolist():
-        own = np.unique(component[slice(*polygons.polygon_offsets[p:p + 2])])
+        own = np.unique(component[slice(*polygons.polygon_offsets[p : p + 2])])
         holes = np.count_nonzero(wanted[own]) - 1
         problem[p] = f"the candidate diagonals do not connect {apart[p]} of {holes} holes to the rest"
     return problem
@@ -831,8 +844,12 @@ def _graph(prepared, selected):
     """P and S of the polygons with holes."""
     some = selected[prepared.with_holes[prepared.owner[selected]]]
     return boundary_graph(
-        prepared.polygons, _positions(prepared), prepared.edge_length, prepared.edges,
-        prepared.length, some,
+        prepared.polygons,
+        _positions(prepared),
+        prepared.edge_length,
+        prepared.edges,
+        prepared.length,
+        some,
     )
 
 

@@ -20,8 +20,16 @@ from ..progress import ignore
 from .min_size import SLACK
 from .solve import Prepared, select
 
-__all__ = ["Joint", "OverBudget", "TradeOff", "joint_solver", "paying_steps", "smallest_dilation", "together",
-           "trade_off"]
+__all__ = [
+    "Joint",
+    "OverBudget",
+    "TradeOff",
+    "joint_solver",
+    "paying_steps",
+    "smallest_dilation",
+    "together",
+    "trade_off",
+]
 
 # Bounds nearer to each other than this count as one: `objective` compares with SLACK.
 NEXT = 1.0 - 8.0 * SLACK
@@ -75,8 +83,14 @@ class TradeOff(NamedTuple):
 
 
 def joint_solver(
-    prepared: Prepared, group: np.ndarray, count: int, *, weight: np.ndarray | None = None,
-    max_gap: float = 0.0, time_limit: float | None = None, check: Callable = ignore,
+    prepared: Prepared,
+    group: np.ndarray,
+    count: int,
+    *,
+    weight: np.ndarray | None = None,
+    max_gap: float = 0.0,
+    time_limit: float | None = None,
+    check: Callable = ignore,
 ) -> Callable:
     """Return the function that solves groups of polygons, each for a tau of its own.
 
@@ -110,9 +124,7 @@ def joint_solver(
         )
         dilation = np.ones(count)
         np.maximum.at(dilation, group[own], selection.dilation[own])
-        return [Joint(*row) for row in zip(
-            tau, cost.tolist(), lower_bound.tolist(), dilation.tolist()
-        )]
+        return [Joint(*row) for row in zip(tau, cost.tolist(), lower_bound.tolist(), dilation.tolist())]
 
     return solve
 
@@ -174,9 +186,7 @@ def smallest_dilation(budget: float) -> Generator[float, Joint, tuple[Joint | Ov
     return best, beyond is None or _exceeds(beyond.lower_bound, budget)
 
 
-def trade_off(
-    low: float, high: float, most: int | None = None
-) -> Generator[float, Joint, TradeOff]:
+def trade_off(low: float, high: float, most: int | None = None) -> Generator[float, Joint, TradeOff]:
     """Follow the step function cost(tau) from a large tau down to a small one.
 
     Parameters

@@ -55,7 +55,10 @@ class Sides(NamedTuple):
 
 
 def triangulate(
-    polygons: Polygons, *, conformal: Callable | None = None, engine: str | None = None,
+    polygons: Polygons,
+    *,
+    conformal: Callable | None = None,
+    engine: str | None = None,
     check: Callable = ignore,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return constrained Delaunay triangulations.
@@ -119,8 +122,10 @@ def triangulate(
     verdict = np.where(waiting, TOO_FINE, "").astype(object)
     if len(found) == 1:
         return found[0][0], verdict
-    triangles, which, size = (np.concatenate(x) for x in zip(*found)) if found else (
-        np.empty((0, 3), dtype=np.int64), *np.empty((2, 0), dtype=np.int64)
+    triangles, which, size = (
+        (np.concatenate(x) for x in zip(*found))
+        if found
+        else (np.empty((0, 3), dtype=np.int64), *np.empty((2, 0), dtype=np.int64))
     )
     index, _ = take(offsets_of(size), np.argsort(which, kind="stable"))
     return triangles[index], verdict
@@ -185,9 +190,7 @@ def _by_engine(name, polygons, plane, which, check):
         number = np.empty(len(plane), dtype=np.int64)
         number[vertex] = np.arange(len(vertex))
         plane, ends = plane[vertex], number[ends]
-    triangles, offsets = engines.triangulate(
-        name, plane, vertex_offsets, ends, corner_offsets, check=check
-    )
+    triangles, offsets = engines.triangulate(name, plane, vertex_offsets, ends, corner_offsets, check=check)
     return triangles if len(vertex) == len(polygons.xy) else vertex[triangles], offsets
 
 

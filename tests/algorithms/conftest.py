@@ -46,9 +46,7 @@ def run(provider):
     def run(tool, parameters, feedback=None):
         context = QgsProcessingContext()
         context.setProject(QgsProject.instance())
-        results = processing.run(
-            tool, parameters, feedback=feedback or Feedback(), context=context
-        )
+        results = processing.run(tool, parameters, feedback=feedback or Feedback(), context=context)
         results["context"] = context  # owns the layers
         return results
 

@@ -30,9 +30,7 @@ from qgis.core import (  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 # two squares of side 10, joined by a corridor of width 1
-DUMBBELL = (
-    "Polygon ((0 0, 10 0, 10 4, 20 4, 20 0, 30 0, 30 10, 20 10, 20 5, 10 5, 10 10, 0 10, 0 0))"
-)
+DUMBBELL = "Polygon ((0 0, 10 0, 10 4, 20 4, 20 0, 30 0, 30 10, 20 10, 20 5, 10 5, 10 10, 0 10, 0 0))"
 BELOW = "Polygon ((10 0, 20 0, 20 4, 10 4, 10 0))"
 ABOVE = "Polygon ((10 5, 20 5, 20 10, 10 10, 10 5))"
 OUTER = "Polygon ((0 -5, 30 -5, 30 0, 0 0, 0 -5))"  # its long side has no nodes
@@ -107,7 +105,11 @@ def prepare(layer, **parameters):
 
 def aggregate(layer, **parameters):
     chosen = {
-        "CLASS": "code", "METHOD": "greedy", "ASSIGNMENT": "memory:", "WEIGHT_BOUNDARY": 1.0, **parameters
+        "CLASS": "code",
+        "METHOD": "greedy",
+        "ASSIGNMENT": "memory:",
+        "WEIGHT_BOUNDARY": 1.0,
+        **parameters,
     }
     return run(AggregateAlgorithm, INPUT=layer, **chosen)
 
@@ -297,11 +299,16 @@ def test_areas_that_lost_their_class_are_counted_and_told(qgis_app):
 
 
 def test_pieces_of_an_area_lose_its_class_by_most_of_its_size(qgis_app):
-    rows = [(box(0, 0, 30), "a", 1), (box(30, 0, 4), "b", 2), (box(34, 0, 12), "b", 2), (box(46, 0, 30), "c", 3)]
+    rows = [
+        (box(0, 0, 30), "a", 1),
+        (box(30, 0, 4), "b", 2),
+        (box(34, 0, 12), "b", 2),
+        (box(46, 0, 30), "c", 3),
+    ]
     layer = areas([(wkt, code) for wkt, code, _ in rows])
-    layer.dataProvider().changeAttributeValues({
-        f.id(): {1: f"area {area}"} for f, (_, _, area) in zip(layer.getFeatures(), rows)
-    })
+    layer.dataProvider().changeAttributeValues(
+        {f.id(): {1: f"area {area}"} for f, (_, _, area) in zip(layer.getFeatures(), rows)}
+    )
     results, layers, _ = aggregate(layer, THRESHOLD=250, AREA_ID="name")
     assert len(layers["OUTPUT"]) == 2
     assert results["LOST_COUNT"] == 1
@@ -328,7 +335,9 @@ def test_regions_have_a_colour_for_each_class(qgis_app):
 
     made = QgsVectorLayer(
         "Polygon?field=region:integer&field=code:string(9)&field=size:double&field=areas:integer"
-        "&field=core:integer&field=status:string(9)", "x", "memory",
+        "&field=core:integer&field=status:string(9)",
+        "x",
+        "memory",
     )
     made.loadNamedStyle(str(ROOT / "resources" / "styles" / "regions.qml"))
     fill = made.renderer().symbol().symbolLayer(0)
@@ -486,9 +495,7 @@ def test_pieces_are_merged_without_a_trace(qgis_app):
         kind="PolygonZ",
     )
     tool = PrepareAggregationAlgorithm().create()
-    results, _ = tool.run(
-        {"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener()
-    )
+    results, _ = tool.run({"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener())
     pieces = QgsProcessingUtils.mapLayerFromString(results["OUTPUT"], context)
     assert pieces.featureCount() == 6
     # everything ends in one region: each area is what it was
@@ -521,10 +528,15 @@ def test_the_model_runs_in_qgis_process(qgis_process, tmp_path):
         for wkt, code in ((DUMBBELL, "1"), (BELOW, "2"), (ABOVE, "2"), (OUTER, "3"))
     ]  # fmt: skip
     source, regions, given = (tmp_path / name for name in ("a.geojson", "r.gpkg", "g.gpkg"))
-    source.write_text(json.dumps({
-        "type": "FeatureCollection", "features": features,
-        "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}},
-    }))
+    source.write_text(
+        json.dumps(
+            {
+                "type": "FeatureCollection",
+                "features": features,
+                "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}},
+            }
+        )
+    )
     qgis_process(
         "run", ROOT / "resources" / "models" / "prepare_and_aggregate.model3", "--",
         f"INPUT={source}", "CLASS=code", "THRESHOLD=120", "METHOD=greedy",
@@ -535,7 +547,6 @@ def test_the_model_runs_in_qgis_process(qgis_process, tmp_path):
     assert sum(f.geometry().area() for f in made.getFeatures()) == pytest.approx(450.0)
     assert all(f["size"] >= 120 for f in made.getFeatures())
     assert QgsVectorLayer(str(given), "g", "ogr").featureCount() >= 4
-
 
 
 def test_objective_of_the_preparation():
@@ -563,7 +574,9 @@ def test_objective_of_the_preparation():
 
 
 def test_a_null_geometry_in_a_layer_with_heights(qgis_app):
-    layer = areas([(with_heights(box(0, 0)), "a"), (None, "a"), (with_heights(box(10, 0)), "b")], kind="PolygonZ")
+    layer = areas(
+        [(with_heights(box(0, 0)), "a"), (None, "a"), (with_heights(box(10, 0)), "b")], kind="PolygonZ"
+    )
     results, layers, _ = prepare(layer)
     assert results["AREA_COUNT"] == 3 and len(layers["OUTPUT"]) == 3
     results, layers, _ = aggregate(layer, THRESHOLD=150)
@@ -617,7 +630,10 @@ def test_numbers_that_are_none_are_refused(qgis_app):
 
 @pytest.mark.parametrize("name", ["region", "size", "areas", "core", "status"])
 def test_a_class_field_with_a_name_of_ours(qgis_app, name):
-    layer = areas([(box(10 * k, 0), code) for k, code in enumerate("aaabba")], fields=f"{name}:string(20)&field=name:string(20)")
+    layer = areas(
+        [(box(10 * k, 0), code) for k, code in enumerate("aaabba")],
+        fields=f"{name}:string(20)&field=name:string(20)",
+    )
     _, layers, _ = aggregate(layer, THRESHOLD=300, CLASS=name)
     for region in layers["OUTPUT"]:
         values = dict(zip(region.fields().names(), region.attributes()))
@@ -637,8 +653,10 @@ def test_pieces_of_areas_with_fields_of_these_names(qgis_app):
     provider = layer.dataProvider()
     provider.changeAttributeValues({f.id(): {1: "same for all", 2: "large"} for f in layer.getFeatures()})
     context = QgsProcessingContext()
-    results, _ = PrepareAggregationAlgorithm().create().run(
-        {"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener()
+    results, _ = (
+        PrepareAggregationAlgorithm()
+        .create()
+        .run({"INPUT": layer, "CLASS": "code", "OUTPUT": "memory:"}, context, Listener())
     )
     pieces = QgsProcessingUtils.mapLayerFromString(results["OUTPUT"], context)
     _, layers, said = aggregate(pieces, THRESHOLD=400)
@@ -674,11 +692,20 @@ def test_the_centroid_of_an_area_that_crosses_itself_is_in_it(qgis_app):
 def test_the_bound_is_not_above_the_cost(qgis_app):
     """Where large areas must be cores, cheaper ones are exchanged for them afterwards."""
     pytest.importorskip("scipy")
-    a, b, c, d, e, f = "1.406 0.792", "1.027 0.080", "-0.019 0.426", "-0.425 1.352", "0.761 2.128", "-0.195 1.742"
-    layer = areas([
-        (f"Polygon (({p}, {q}, {r}, {p}))", code)
-        for p, q, r, code in ((a, b, c, "c"), (d, a, c, "b"), (e, a, d, "c"), (f, e, d, "c"))
-    ])
+    a, b, c, d, e, f = (
+        "1.406 0.792",
+        "1.027 0.080",
+        "-0.019 0.426",
+        "-0.425 1.352",
+        "0.761 2.128",
+        "-0.195 1.742",
+    )
+    layer = areas(
+        [
+            (f"Polygon (({p}, {q}, {r}, {p}))", code)
+            for p, q, r, code in ((a, b, c, "c"), (d, a, c, "b"), (e, a, d, "c"), (f, e, d, "c"))
+        ]
+    )
     results, _, _ = aggregate(
         layer, THRESHOLD=0.7, METHOD="exact", BOUNDARY="classes", WEIGHT_BOUNDARY=1.0, WEIGHT_CENTRE=3.0,
         ITERATIONS=3000,
@@ -707,8 +734,6 @@ def test_a_reader_that_keeps_the_features_gives_the_same(keep):
     reader.feedback.setProgress = shares.append
     for _ in range(2):
         found = [(one.id(), one.attributes(), one.geometry().asWkt()) for one in reader]
-        assert found == [
-            (one.id(), one.attributes(), one.geometry().asWkt()) for one in layer.getFeatures()
-        ]
+        assert found == [(one.id(), one.attributes(), one.geometry().asWkt()) for one in layer.getFeatures()]
         assert shares[:4] == sorted(shares[:4]) and shares[3] == 100.0
         reader.done = 0

@@ -27,9 +27,7 @@ from qgis.core import (
 TOOL = "isthmus:focusmap"
 
 # a square of side 10, joined with a tall rectangle by a corridor of width 1, and an island
-DUMBBELL = (
-    "0 0, 10 0, 10 4, 20 4, 20 -10, 30 -10, 30 20, 20 20, 20 5, 10 5, 10 10, 0 10, 0 0"
-)
+DUMBBELL = "0 0, 10 0, 10 4, 20 4, 20 -10, 30 -10, 30 20, 20 20, 20 5, 10 5, 10 10, 0 10, 0 0"
 ISLAND = "14 7, 16 7, 15 9, 14 7"
 
 
@@ -111,7 +109,17 @@ def test_selected_edges_are_the_cuts_of_the_partition_tool(run, land, focus, rul
 
 
 def test_cuts_of_the_partition_tool_as_edges(run, land, focus, layer, feedback):
-    cuts = run("isthmus:partition", {"INPUT": land, "TAU": 2, "PLACES": "Any", "SMALLEST_PART": 0, "OUTPUT": "memory:", "CUTS": "memory:"})
+    cuts = run(
+        "isthmus:partition",
+        {
+            "INPUT": land,
+            "TAU": 2,
+            "PLACES": "Any",
+            "SMALLEST_PART": 0,
+            "OUTPUT": "memory:",
+            "CUTS": "memory:",
+        },
+    )
     lines = cuts["CUTS"]
     results = run(TOOL, parameters(land, focus, EDGES=lines, EDGES_USED="memory:"), feedback)
     kinds = [edge["kind"] for edge in features(results, "EDGES_USED")]
@@ -261,8 +269,11 @@ def test_the_example_model(provider, land, focus):
     assert model.validate()[0], model.validate()[1]
     context = QgsProcessingContext()
     context.setProject(QgsProject.instance())
-    sinks = {"partition:Parts": "memory:", "focusmap:Focus map": "memory:",
-             "focusmap:Relevant edges": "memory:"}
+    sinks = {
+        "partition:Parts": "memory:",
+        "focusmap:Focus map": "memory:",
+        "focusmap:Relevant edges": "memory:",
+    }
     results, ok = model.run(
         {"INPUT": land, "FOCUS": focus, "TAU": 2.0, "SCALE": 1.3, **sinks},
         context, QgsProcessingFeedback(),
@@ -296,7 +307,9 @@ def test_a_focus_that_is_not_finite_or_no_polygon(run, land, layer):
     square = "POLYGON((-1 -1, 11 -1, 11 11, -1 11, -1 -1))"
     odd = ring((0, 0), (float("nan"), 0), (5, 5), (0, 0))
     line = ring((0, 0), (5, 5), (0, 0))
-    results = run(TOOL, parameters(land, layer("Polygon?crs=EPSG:3035", [(odd, []), (line, []), (square, [])])))
+    results = run(
+        TOOL, parameters(land, layer("Polygon?crs=EPSG:3035", [(odd, []), (line, []), (square, [])]))
+    )
     assert results["SCALE_REACHED"] == 1.3
     with pytest.raises(QgsProcessingException, match="no polygons whose coordinates are finite"):
         run(TOOL, parameters(land, layer("Polygon?crs=EPSG:3035", [(odd, [])])))
@@ -337,7 +350,9 @@ def test_carried_layers_of_one_name(run, land, focus, layer, tmp_path):
 
 
 def test_a_carried_feature_without_a_place_in_the_map(run, land, focus, layer, tmp_path, feedback):
-    towns = layer("Point?crs=EPSG:4326&field=name:string", [("POINT(10 500)", ["nowhere"]), ("POINT(10 52)", ["here"])])
+    towns = layer(
+        "Point?crs=EPSG:4326&field=name:string", [("POINT(10 500)", ["nowhere"]), ("POINT(10 52)", ["here"])]
+    )
     path = str(tmp_path / "carried.gpkg")
     results = run(TOOL, parameters(land, focus, ALONG=[towns], CARRIED=path), feedback)
     lost, kept = QgsVectorLayer(results["CARRIED_LAYERS"][0], "", "ogr").getFeatures()

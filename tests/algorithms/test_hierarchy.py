@@ -44,7 +44,8 @@ def moved(polygon, by):
 
 def at(parts, tau, source=None):
     return [
-        part for part in parts
+        part
+        for part in parts
         if part["from_tau"] <= tau < part["to_tau"] and source in (None, part["source"])
     ]
 
@@ -96,9 +97,7 @@ def test_a_dumbbell(run, layer, feedback):
     # without both it is around a room, whose sides are 40 - 1
     assert [(cut["source"], cut["rank"], cut["length"]) for cut in cuts] == [(1, 1, 1.0), (1, 2, 1.0)]
     assert [cut["persistence"] for cut in cuts] == pytest.approx([39.0, 5.0])
-    assert [
-        (part["part"], part["parent"], part["level"], round(part["from_tau"], 6)) for part in parts
-    ] in (
+    assert [(part["part"], part["parent"], part["level"], round(part["from_tau"], 6)) for part in parts] in (
         [(1, 5, 0, 1.5), (2, 4, 0, 1.5), (3, 4, 0, 1.5), (4, 5, 1, 5.0), (5, NULL, 2, 39.0)],
         [(1, 4, 0, 1.5), (2, 5, 0, 1.5), (3, 4, 0, 1.5), (4, 5, 1, 5.0), (5, NULL, 2, 39.0)],
     )
@@ -116,7 +115,10 @@ def test_levels_tile_and_the_first_is_the_partition(run, layer, places, tau):
     source = layer(
         "MultiPolygon?crs=EPSG:3857&field=k:integer",
         [
-            (ROOMS, [1]), (wkt(coast(200)), [2]), (HOLED, [3]), (wkt(coast(100), islet[::-1]), [4]),
+            (ROOMS, [1]),
+            (wkt(coast(200)), [2]),
+            (HOLED, [3]),
+            (wkt(coast(100), islet[::-1]), [4]),
             (ANNULUS, [5]),
         ],
     )
@@ -189,25 +191,33 @@ def test_degrees_are_metres(run, layer):
     # a thousandth of a degree on the equator is 111 m
     # on the ellipsoid another of two ends of a passage that are as good may be cut
     for name, scale, room in (("persistence", 1, 0.2), ("length", 111, 0.01)):
-        assert [cut[name] for cut in cuts] == pytest.approx(
-            [scale * cut[name] for cut in plane], rel=room
-        )
+        assert [cut[name] for cut in cuts] == pytest.approx([scale * cut[name] for cut in plane], rel=room)
 
 
 def test_what_cannot_be_solved_shows_at_every_tau(run, layer, feedback):
     source = layer(
         "MultiPolygon?crs=EPSG:3857&field=tau:double",
         [
-            (BOWTIE, [2]), (None, [2]), (ROOMS, [0.5]), ("MULTIPOLYGON EMPTY", [2]), (ROOMS, [2]),
+            (BOWTIE, [2]),
+            (None, [2]),
+            (ROOMS, [0.5]),
+            ("MULTIPOLYGON EMPTY", [2]),
+            (ROOMS, [2]),
             (f"MULTIPOLYGON({BOWTIE[7:]},{moved(DUMBBELL, 20)})", [2]),
-            (ROOMS, [NULL]), (ROOMS, [1e300]),
+            (ROOMS, [NULL]),
+            (ROOMS, [1e300]),
         ],
     )
     results = hierarchy(run, source, feedback, TAU=QgsProperty.fromField("tau"))
     parts = rows(results["OUTPUT"])
     assert results["SKIPPED_COUNT"] == 7
     for number, reason in {
-        1: "invalid", 2: "no geometry", 3: "tau must be", 4: "empty", 7: "tau must be", 8: "tau must be"
+        1: "invalid",
+        2: "no geometry",
+        3: "tau must be",
+        4: "empty",
+        7: "tau must be",
+        8: "tau must be",
     }.items():
         (part,) = [part for part in parts if part["source"] == number]
         assert reason in part["status"].lower() or number == 1 and part["status"]
@@ -234,7 +244,9 @@ def test_parts_by_number_and_expression(run, layer, feedback):
         assert len(own) == count
         assert all(part["level"] == 0 and part["parent"] == NULL for part in own)
         left = [cut for cut in cuts if cut["source"] == number]
-        assert [cut["geometry"].asWkt() for cut in left] == [c["geometry"].asWkt() for c in ranked[:count - 1]]
+        assert [cut["geometry"].asWkt() for cut in left] == [
+            c["geometry"].asWkt() for c in ranked[: count - 1]
+        ]
         (least,), (most,) = ({part[name] for part in own} for name in ("from_tau", "to_tau"))
         assert least == (1.5 if count == finest else ranked[count - 1]["persistence"])
         assert most == (NO_END if count == 1 else ranked[count - 2]["persistence"])
@@ -307,8 +319,10 @@ def test_style_of_the_cuts_follows_the_persistence(run, layer):
     symbol = cuts.renderer().symbol()
     assert symbol.symbolLayerCount() == 2
     for k in range(2):
-        width = symbol.symbolLayer(k).dataDefinedProperties().property(
-            QgsSymbolLayer.Property.PropertyStrokeWidth
+        width = (
+            symbol.symbolLayer(k)
+            .dataDefinedProperties()
+            .property(QgsSymbolLayer.Property.PropertyStrokeWidth)
         )
         context, widths = QgsExpressionContext(), []
         for feature in cuts.getFeatures():
@@ -334,7 +348,8 @@ def test_the_line_for_a_slider_runs(provider):
             self.refreshed += 1
 
     names = {
-        "iface": Canvas(), "QgsProject": QgsProject,
+        "iface": Canvas(),
+        "QgsProject": QgsProject,
         "QgsExpressionContextUtils": QgsExpressionContextUtils,
     }
     exec(html.unescape(line), names)

@@ -21,14 +21,21 @@ def edit(layer, feedback, **parameters):
     context = QgsProcessingContext()
     context.setProject(QgsProject.instance())
     context.setFeedback(feedback)
-    return execute_in_place_run(tool, {"INPUT": layer, **parameters}, context=context, feedback=feedback, raise_exceptions=True)
+    return execute_in_place_run(
+        tool, {"INPUT": layer, **parameters}, context=context, feedback=feedback, raise_exceptions=True
+    )
 
 
 @pytest.fixture
 def editable(layer, provider):
     made = layer(
         "Polygon?crs=EPSG:3857&field=name:string&field=part:integer",
-        [(rooms(0), ["a", 7]), (rooms(100), ["b", 8]), (rooms(200), ["c", 9]), ("POLYGON((0 50,9 59,9 50,0 59,0 50))", ["d", 4])],
+        [
+            (rooms(0), ["a", 7]),
+            (rooms(100), ["b", 8]),
+            (rooms(200), ["c", 9]),
+            ("POLYGON((0 50,9 59,9 50,0 59,0 50))", ["d", 4]),
+        ],
     )
     QgsProject.instance().addMapLayer(made)
     made.startEditing()
@@ -65,7 +72,9 @@ def test_a_geopackage_keeps_its_keys(editable, feedback, tmp_path):
 
     path = str(tmp_path / "rooms.gpkg")
     options = QgsVectorFileWriter.SaveVectorOptions()
-    QgsVectorFileWriter.writeAsVectorFormatV3(editable, path, QgsProject.instance().transformContext(), options)
+    QgsVectorFileWriter.writeAsVectorFormatV3(
+        editable, path, QgsProject.instance().transformContext(), options
+    )
     stored = QgsVectorLayer(path, "stored", "ogr")
     QgsProject.instance().addMapLayer(stored)
     stored.startEditing()

@@ -74,7 +74,7 @@ def model(provider, tmp_path):
 
 
 def results_of(answer):
-    return json.loads(answer[answer.index("{"):])["results"]
+    return json.loads(answer[answer.index("{") :])["results"]
 
 
 def test_model(model, rooms, tmp_path):

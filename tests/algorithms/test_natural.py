@@ -22,9 +22,9 @@ def coast(points=400, noise=0.08):
 
 def wkt(ring, *holes):
     rings = [[*one, one[0]] for one in (ring, *holes)]
-    return "POLYGON(" + ",".join(
-        "(" + ",".join(f"{x:.6f} {y:.6f}" for x, y in one) + ")" for one in rings
-    ) + ")"
+    return (
+        "POLYGON(" + ",".join("(" + ",".join(f"{x:.6f} {y:.6f}" for x, y in one) + ")" for one in rings) + ")"
+    )
 
 
 @pytest.fixture

@@ -9,9 +9,7 @@ from .test_partition import EVERYWHERE, partition, rows
 
 # 1 wide at x = 10, where the lower wall has no vertex; z and m tell the place
 NECK = "POLYGON((0 0,20 0,20 10,11 10,10 1,9 10,0 10,0 0))"
-NECK_ZM = (
-    "POLYGON ZM((0 0 5 0,20 0 9 100,20 10 9 0,11 10 7 0,10 1 7 0,9 10 7 0,0 10 5 0,0 0 5 0))"
-)
+NECK_ZM = "POLYGON ZM((0 0 5 0,20 0 9 100,20 10 9 0,11 10 7 0,10 1 7 0,9 10 7 0,0 10 5 0,0 0 5 0))"
 TWICE = (
     "MULTIPOLYGON(((0 0,20 0,20 10,11 10,10 1,9 10,0 10,0 0)),"
     "((100 0,120 0,120 10,111 10,110 1,109 10,100 10,100 0)))"
@@ -118,16 +116,21 @@ def test_hierarchy_drops_a_vertex_with_its_cut(run, made, feedback):
     for cut in cuts:
         tau = cut["persistence"]
         left = {
-            (p.x(), p.y()) for other in cuts if other["persistence"] > tau
+            (p.x(), p.y())
+            for other in cuts
+            if other["persistence"] > tau
             for p in other["geometry"].vertices()
         }
         foot = {
-            (p.x(), p.y()) for part in at(parts, tau) for p in part["geometry"].vertices()
+            (p.x(), p.y())
+            for part in at(parts, tau)
+            for p in part["geometry"].vertices()
             if p.y() == 0.0 and 0.0 < p.x() < 40.0
         }
         assert foot == {point for point in left if point[1] == 0.0}
         assert sum(part["geometry"].area() for part in at(parts, tau)) == pytest.approx(
-            QgsGeometry.fromWkt(teeth).area())
+            QgsGeometry.fromWkt(teeth).area()
+        )
 
 
 def neighbours(below="Polygon ((0 -5, 20 -5, 20 0, 0 0, 0 -5))"):

@@ -101,16 +101,12 @@ def test_a_search_that_ends_early_says_so(run, layer, feedback, monkeypatch):
     from isthmus.core.partition import features
 
     monkeypatch.setattr(features, "TIME_LIMIT", 0.0)
-    results = partition(
-        run, western_europe(layer), feedback, TAU=6, OBJECTIVE="MinLength", MAX_GAP=0
-    )
+    results = partition(run, western_europe(layer), feedback, TAU=6, OBJECTIVE="MinLength", MAX_GAP=0)
     assert results["LOWER_BOUND"] < results["COST"]
     (warning,) = feedback.warnings
     assert "gap" in warning
     part = rows(results["OUTPUT"])[0]
-    assert part["gap"] == pytest.approx(
-        100 * (results["COST"] - results["LOWER_BOUND"]) / results["COST"]
-    )
+    assert part["gap"] == pytest.approx(100 * (results["COST"] - results["LOWER_BOUND"]) / results["COST"])
 
 
 @pytest.mark.parametrize("tau", [6, 8, 20, 30])

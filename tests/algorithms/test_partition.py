@@ -20,9 +20,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-DUMBBELL = (
-    "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 10,0 10,0 0))"
-)
+DUMBBELL = "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 10,0 10,0 0))"
 # the same, cut at both ends of its corridor
 DUMBBELL_CUTS = {((10, 4.5), (10, 5.5)), ((12, 4.5), (12, 5.5))}
 ANNULUS = "POLYGON((0 0,20 0,20 20,0 20,0 0),(1 8,1 12,12 12,12 8,1 8))"
@@ -158,8 +156,12 @@ def test_own_lines_as_candidates(run, layer, feedback):
     assert len(rows(results["DIAGONALS"])) == 2
     text = "\n".join(feedback.warnings)
     for line, reason in (
-        (3, "crosses the shorter line 2"), (4, "not a vertex"), (5, "leaves"), (6, "touches"),
-        (7, "repeats line 1"), (8, "one straight line"),
+        (3, "crosses the shorter line 2"),
+        (4, "not a vertex"),
+        (5, "leaves"),
+        (6, "touches"),
+        (7, "repeats line 1"),
+        (8, "one straight line"),
     ):
         (message,) = [w for w in feedback.warnings if f"line {line} was" in w]
         assert reason in message, text
@@ -242,8 +244,7 @@ def test_z_and_m_ride_along(run, layer):
     wkt = "POLYGON ZM ((%s))" % ",".join(f"{x} {y} {x + 100} {y - 7}" for x, y in points)
     source = layer("PolygonZM?crs=EPSG:3857", [(wkt, [])])
     results = partition(run, source)
-    vertices = [v for p in rows(results["OUTPUT"]) + rows(results["CUTS"])
-                for v in p["geometry"].vertices()]
+    vertices = [v for p in rows(results["OUTPUT"]) + rows(results["CUTS"]) for v in p["geometry"].vertices()]
     assert len(vertices) == 7 + 7 + 5 + 2 * 2
     assert all((v.z(), v.m()) == (v.x() + 100, v.y() - 7) for v in vertices)
 
@@ -278,9 +279,7 @@ def test_geopackage_to_geopackage_loses_nothing(run, layer, tmp_path):
     results = partition(run, path, OUTPUT=str(tmp_path / "out.gpkg"), CUTS=str(tmp_path / "c.gpkg"))
     parts = rows(QgsVectorLayer(results["OUTPUT"]))
     assert len(parts) == 4 == len({p["fid"] for p in parts})
-    assert [(p["part"], p["grün"], p["none"]) for p in parts] == [("mine", "ß", NULL)] * 3 + [
-        ("his", "", 1)
-    ]
+    assert [(p["part"], p["grün"], p["none"]) for p in parts] == [("mine", "ß", NULL)] * 3 + [("his", "", 1)]
     assert [p["part_2"] for p in parts] == [1, 2, 3, 1]
     assert {c["source"] for c in rows(QgsVectorLayer(results["CUTS"]))} == {7}
 
@@ -321,9 +320,11 @@ def test_an_unwritable_target_is_an_error(run, layer):
 
 def test_progress_moves_and_cancel_stops_within_one_large_polygon(run, layer, cancelling):
     n = 20000
-    points = [(math.cos(a) * r, math.sin(a) * r)
-              for k in range(n)
-              for a, r in [(2 * math.pi * k / n, 1000 + 300 * math.sin(k * 0.05))]]
+    points = [
+        (math.cos(a) * r, math.sin(a) * r)
+        for k in range(n)
+        for a, r in [(2 * math.pi * k / n, 1000 + 300 * math.sin(k * 0.05))]
+    ]
     wkt = "POLYGON((%s))" % ",".join(f"{x} {y}" for x, y in points + points[:1])
     source = layer("Polygon?crs=EPSG:3857", [(wkt, [])])
     feedback = cancelling()

@@ -145,8 +145,13 @@ def test_tradeoff_of_a_polygon_whose_area_no_double_holds(run, layer, tmp_path):
     report = tmp_path / "report.html"
     results = run(
         "isthmus:tradeoff",
-        {"INPUT": layer("Polygon", [(wkt, [])]), "TAU_MIN": 1, **EVERYWHERE, "OUTPUT": "memory:",
-         "REPORT": str(report)},
+        {
+            "INPUT": layer("Polygon", [(wkt, [])]),
+            "TAU_MIN": 1,
+            **EVERYWHERE,
+            "OUTPUT": "memory:",
+            "REPORT": str(report),
+        },
     )
     steps = rows(results["OUTPUT"])
     assert [s["cuts"] for s in steps] == [0, 1]

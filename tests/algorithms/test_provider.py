@@ -89,10 +89,7 @@ def test_numbers_say_their_units_and_show_few_decimals(tools):
 def test_the_first_look_is_short(tools):
     advanced = QgsProcessingParameterDefinition.Flag.FlagAdvanced
     for tool in tools:
-        plain = [
-            p for p in tool.parameterDefinitions()
-            if not p.isDestination() and not p.flags() & advanced
-        ]
+        plain = [p for p in tool.parameterDefinitions() if not p.isDestination() and not p.flags() & advanced]
         assert len(plain) <= 9, (tool.id(), len(plain))
 
 
@@ -205,9 +202,7 @@ def test_parts_have_eight_colours_whatever_their_fields(qgis_app):
         parts = QgsVectorLayer(kind, "x", "memory")
         parts.loadNamedStyle(str(ROOT / "resources" / "styles" / "parts.qml"))
         fill = parts.renderer().symbol().symbolLayer(0)
-        colour = fill.dataDefinedProperties().property(
-            QgsSymbolLayer.Property.PropertyFillColor
-        )
+        colour = fill.dataDefinedProperties().property(QgsSymbolLayer.Property.PropertyFillColor)
         colours = set()
         for number in range(-9, 9):  # new features of a layer in editing have negative ids
             context = QgsExpressionContext()
@@ -218,9 +213,9 @@ def test_parts_have_eight_colours_whatever_their_fields(qgis_app):
         assert len(colours) == 8
 
 
-@pytest.mark.parametrize("absent", [
-    {"shapely"}, {"triangle"}, {"triangle", "pythoncdt"}, {"shapely", "triangle", "pythoncdt"}
-])
+@pytest.mark.parametrize(
+    "absent", [{"shapely"}, {"triangle"}, {"triangle", "pythoncdt"}, {"shapely", "triangle", "pythoncdt"}]
+)
 def test_missing_packages(provider, run, layer, monkeypatch, absent):
     """The tools stay listed; running one says which command installs what."""
     from isthmus.algorithms import dependencies
@@ -250,17 +245,20 @@ def test_missing_packages(provider, run, layer, monkeypatch, absent):
     assert tool.checkParameterValues(parameters, QgsProcessingContext()) == (False, problem)
 
 
-@pytest.mark.parametrize("version, machine, wheels", [
-    ((3, 9), "win-amd64", ["triangle"]),  # QGIS 3.22 on Windows
-    ((3, 12), "win-amd64", ["pythoncdt", "triangle"]),
-    ((3, 11), "linux-x86_64", ["pythoncdt", "triangle"]),
-    ((3, 11), "linux-aarch64", ["pythoncdt"]),
-    ((3, 14), "linux-x86_64", ["pythoncdt"]),
-    ((3, 14), "linux-aarch64", ["pythoncdt"]),
-    ((3, 9), "macosx-x86_64", []),
-    ((3, 9), "linux-aarch64", []),
-    ((3, 12), "win-arm64", []),
-])
+@pytest.mark.parametrize(
+    "version, machine, wheels",
+    [
+        ((3, 9), "win-amd64", ["triangle"]),  # QGIS 3.22 on Windows
+        ((3, 12), "win-amd64", ["pythoncdt", "triangle"]),
+        ((3, 11), "linux-x86_64", ["pythoncdt", "triangle"]),
+        ((3, 11), "linux-aarch64", ["pythoncdt"]),
+        ((3, 14), "linux-x86_64", ["pythoncdt"]),
+        ((3, 14), "linux-aarch64", ["pythoncdt"]),
+        ((3, 9), "macosx-x86_64", []),
+        ((3, 9), "linux-aarch64", []),
+        ((3, 12), "win-arm64", []),
+    ],
+)
 def test_the_engine_to_install_is_one_that_has_a_wheel(monkeypatch, version, machine, wheels):
     """The free one first; and the licence is said of the one that is not."""
     from isthmus.algorithms import dependencies
@@ -281,13 +279,21 @@ def test_requirements_ask_for_the_same_wheels():
     lines = (line.split("#")[0].strip() for line in text.splitlines())
     wanted = {r.name: r.marker for r in map(Requirement, filter(None, lines))}
     machines = {
-        "linux-x86_64": ("linux", "x86_64"), "linux-aarch64": ("linux", "aarch64"), "win-amd64": ("win32", "AMD64"),
-        "win-arm64": ("win32", "ARM64"), "macosx-x86_64": ("darwin", "x86_64"), "macosx-arm64": ("darwin", "arm64"),
+        "linux-x86_64": ("linux", "x86_64"),
+        "linux-aarch64": ("linux", "aarch64"),
+        "win-amd64": ("win32", "AMD64"),
+        "win-arm64": ("win32", "ARM64"),
+        "macosx-x86_64": ("darwin", "x86_64"),
+        "macosx-arm64": ("darwin", "arm64"),
     }
     for minor in range(9, 18):
         for machine, (system, processor) in machines.items():
-            place = {"python_version": f"3.{minor}", "sys_platform": system, "platform_machine": processor,
-                     "implementation_name": "cpython"}
+            place = {
+                "python_version": f"3.{minor}",
+                "sys_platform": system,
+                "platform_machine": processor,
+                "implementation_name": "cpython",
+            }
             wheels = dependencies.engines_with_wheels((3, minor), machine)
             assert [name for name in ("pythoncdt", "triangle") if wanted[name].evaluate(place)] == wheels
 
@@ -299,7 +305,11 @@ def test_the_note_on_a_slow_engine(monkeypatch):
     monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
     for name in ("triangle", "pythoncdt"):
         monkeypatch.setitem(sys.modules, name, None)
-    for wheels, said in ((["pythoncdt", "triangle"], "pythoncdt is faster"), (["triangle"], "commercially"), ([], "slower.")):
+    for wheels, said in (
+        (["pythoncdt", "triangle"], "pythoncdt is faster"),
+        (["triangle"], "commercially"),
+        ([], "slower."),
+    ):
         monkeypatch.setattr(solving, "engines_with_wheels", lambda wheels=wheels: wheels)
         assert said in solving.slow_engine_note()
     monkeypatch.setenv("ISTHMUS_ENGINE", "shapely")

@@ -63,7 +63,9 @@ def layer_of(geometries, crs, fields=(), kind="MultiPolygon"):
 def plain(geometry):
     """WKB of the simple parts of a geometry, whether or not it is wrapped as a multi one."""
     if isinstance(geometry, QgsGeometry):
-        geometry = None if geometry.isNull() else shapely.from_wkb(bytes(geometry.asWkb()), on_invalid="ignore")
+        geometry = (
+            None if geometry.isNull() else shapely.from_wkb(bytes(geometry.asWkb()), on_invalid="ignore")
+        )
     parts = shapely.get_parts(np.array([geometry], dtype=object))
     return [shapely.to_wkb(one, flavor="iso") for one in parts if not one.is_empty]
 
@@ -141,7 +143,9 @@ def test_partition_with_numbers_of_each_feature_and_weights(tools, package):
 
     ours = package.partition(geometries, tau=tau, smallest_part=part, objective="MinWeight", weight=weight)
     reasons = ours.part_fields.pop("status")
-    assert sum("weight" in reason for reason in reasons) > 2 and sum("tau" in reason for reason in reasons) > 0
+    assert (
+        sum("weight" in reason for reason in reasons) > 2 and sum("tau" in reason for reason in reasons) > 0
+    )
     assert_same(theirs["OUTPUT"], ours.parts, ours.part_fields)
     assert_same(theirs["CUTS"], ours.cuts, ours.cut_fields)
     for feature, reason in zip(theirs["OUTPUT"].getFeatures(), reasons):
@@ -215,9 +219,7 @@ def land(seed=3, count=60, size=3000.0):
     rng = np.random.default_rng(seed)
     points = shapely.multipoints(rng.random((count, 2)) * size)
     frame = shapely.box(0, 0, size, size)
-    cells = np.array([
-        one for one in shapely.get_parts(shapely.voronoi_polygons(points, extend_to=frame))
-    ])
+    cells = np.array([one for one in shapely.get_parts(shapely.voronoi_polygons(points, extend_to=frame))])
     cells = shapely.intersection(shapely.set_precision(cells, 0.5), frame)
     group = rng.integers(0, count // 2, len(cells))
     whole = [shapely.union_all(cells[group == g]) for g in np.unique(group)]
@@ -247,7 +249,8 @@ def test_aggregation(tools, package, crs):
     pieces, of = theirs["OUTPUT"], ours.piece_fields["area_id"]
     own_classes = [classes[k] for k in of]
     for method, more in (
-        ("greedy", {"DISTANCE": "code", "REGIONS": 5}), ("annealing", {"ITERATIONS": 3000, "SEED": 4}),
+        ("greedy", {"DISTANCE": "code", "REGIONS": 5}),
+        ("annealing", {"ITERATIONS": 3000, "SEED": 4}),
         ("greedy", {"EXCLUDED": "312", "WEIGHTS": "compact", "BOUNDARY": "classes", "WEIGHT_CHANGE": 2.0}),
     ):
         there = tools("aggregate", {
@@ -264,7 +267,9 @@ def test_aggregation(tools, package, crs):
         assert sum(gone for gone, _ in here.lost.values()) == there["LOST_COUNT"]
         assert_same(there["OUTPUT"], here.regions, here.region_fields, ids=("core",))
         # the pieces have a status of their own
-        assert_same(there["ASSIGNMENT"], here.assignment, here.assignment_fields, names={"status": "status_2"})
+        assert_same(
+            there["ASSIGNMENT"], here.assignment, here.assignment_fields, names={"status": "status_2"}
+        )
 
 
 def floors(count=5, angle=0.3):
@@ -314,9 +319,9 @@ def test_enlarge(tools, package, crs, options):
     bounds = shapely.total_bounds(areas)
     middle = (bounds[:2] + bounds[2:]) / 2
     focus = shapely.Point(middle).buffer((bounds[2] - bounds[0]) / 8)
-    roads = np.array([
-        shapely.LineString([bounds[:2], middle, bounds[2:]]), shapely.MultiPoint([middle, bounds[:2]])
-    ])
+    roads = np.array(
+        [shapely.LineString([bounds[:2], middle, bounds[2:]]), shapely.MultiPoint([middle, bounds[:2]])]
+    )
     theirs = tools("focusmap", {
         "INPUT": layer_of(areas, crs, kind="MultiPolygonZ"), "FOCUS": layer_of([focus], crs),
         **{name.upper(): value for name, value in options.items()},

@@ -71,12 +71,13 @@ def reports_of(run, source, whole):
 
 
 @pytest.mark.parametrize("ending", ["gpkg", "shp", "geojson"])
-def test_a_cancelled_run_leaves_no_file_that_looks_complete(
-    run, source, tmp_path, cancelling, ending
-):
+def test_a_cancelled_run_leaves_no_file_that_looks_complete(run, source, tmp_path, cancelling, ending):
     feedback = cancelling(reports_of(run, source, cancelling()) - 20)
     results = partition(
-        run, source, feedback, OUTPUT=str(tmp_path / f"parts.{ending}"),
+        run,
+        source,
+        feedback,
+        OUTPUT=str(tmp_path / f"parts.{ending}"),
         CUTS=str(tmp_path / f"cuts.{ending}"),
     )
     assert 0 < results["PART_COUNT"] < 3 * MANY

@@ -27,8 +27,9 @@ def test_round_trip(qgis_app, kind, extra, multi):
         assert back.asWkb() == expected.asWkb()
     ends = np.array([[0, 4]])
     (line,) = wkb.line_geometries(rings.coords, ends, [extra])
-    assert line.asWkb() == QgsGeometry.fromWkt(
-        f"LINESTRING{kind}({rings_text(rings.coords[ends[0]])})").asWkb()
+    assert (
+        line.asWkb() == QgsGeometry.fromWkt(f"LINESTRING{kind}({rings_text(rings.coords[ends[0]])})").asWkb()
+    )
 
 
 def rings_text(points):

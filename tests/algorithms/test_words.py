@@ -36,7 +36,9 @@ def test_every_choice_takes_its_numbers_and_no_others(provider):
                 ok, said = tool.checkParameterValues({name: wrong}, context)
                 assert not ok and tool.with_names({name: wrong}) == {name: wrong}
                 # which there are
-                assert said.startswith(f"{name} must be one of {', '.join(options)} (") and repr(wrong) in said
+                assert (
+                    said.startswith(f"{name} must be one of {', '.join(options)} (") and repr(wrong) in said
+                )
             assert "must be one of" not in tool.checkParameterValues({name: None}, context)[1]
     assert seen >= 6
 
@@ -97,7 +99,9 @@ def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
         assert "Halbinsel" in german.shortHelpString() and "{lists}" not in german.shortHelpString()
         (tau,) = [p for p in german.parameterDefinitions() if p.name() == "TAU"]
         assert tau.description() == "Größter Umweg (tau)" and tau.defaultValue() == 3
-        assert [p.name() for p in german.parameterDefinitions()] == [p.name() for p in english.parameterDefinitions()]
+        assert [p.name() for p in german.parameterDefinitions()] == [
+            p.name() for p in english.parameterDefinitions()
+        ]
         groups = {one.create().group() for one in provider.algorithms()}
         assert groups == {"Zerlegung", "Flächenaggregation", "Deformation"}
         for parameter in german.parameterDefinitions():  # the form is that wide

@@ -81,6 +81,6 @@ def test_runs_in_a_clean_profile(archive, tmp_path):
         "run", "--json", "isthmus:partition", "--",
         f"INPUT={polygon}", "TAU=4", f"OUTPUT={parts}", f"CUTS={tmp_path / 'cuts.gpkg'}",
     )  # fmt: skip
-    results = json.loads(answer[answer.index("{"):])["results"]
+    results = json.loads(answer[answer.index("{") :])["results"]
     assert results["PART_COUNT"] == results["CUT_COUNT"] + 1 > 1
     assert parts.exists()

@@ -33,9 +33,11 @@ LEAST, LESS, EXCLUDED = 400_000.0, {5112: 130_648.0, 3103: 44_121.0}, {2112}
 
 def folder():
     """Return the folder of the maps, or end."""
-    places = [Path(os.environ["ISTHMUS_DATA"])] if "ISTHMUS_DATA" in os.environ else [
-        ROOT.parent / "shared" / "data", ROOT.parents[1] / "shared" / "data"
-    ]
+    places = (
+        [Path(os.environ["ISTHMUS_DATA"])]
+        if "ISTHMUS_DATA" in os.environ
+        else [ROOT.parent / "shared" / "data", ROOT.parents[1] / "shared" / "data"]
+    )
     for place in places:
         if (place / "aggregation").is_dir():
             return place / "aggregation"
@@ -47,7 +49,7 @@ def layer(name, table, columns):
     database = sqlite3.connect(f"file:{folder() / name}?mode=ro&immutable=1", uri=True)
     rows = database.execute(f"select geom, {', '.join(columns)} from {table}").fetchall()
     envelope = [0, 32, 48, 48, 64]
-    blobs = [row[0][8 + envelope[(row[0][3] >> 1) & 7]:] for row in rows]
+    blobs = [row[0][8 + envelope[(row[0][3] >> 1) & 7] :] for row in rows]
     return shapely.from_wkb(np.array(blobs, dtype=object)), np.array([row[1:] for row in rows])
 
 
@@ -88,21 +90,15 @@ def problem_of(shapes, classes, codes, distance, theta, **weights):
     centre = np.column_stack((place.real, place.imag))
     rows = np.repeat(cover.ring_polygon, np.diff(cover.offsets))
     spread = coverage.spreads(cover, cover.coords - centre[rows], np.arange(len(shapes)))
-    return instance.build(
-        size, cls, place, pairs, length, distance, theta, spread=spread, **weights
-    )
+    return instance.build(size, cls, place, pairs, length, distance, theta, spread=spread, **weights)
 
 
 def buchholz(**weights):
     """Return shapes, class codes, the published region and class of each area, and a builder."""
     shapes, values = layer("buchholz_atkis.gpkg", "areas_5537", ["class", "hw_region", "hw_class"])
-    table = np.genfromtxt(
-        folder() / "buchholz_class_distance_tree6.csv", delimiter=",", skip_header=1
-    )
+    table = np.genfromtxt(folder() / "buchholz_class_distance_tree6.csv", delimiter=",", skip_header=1)
     codes = table[:, 0].astype(int)
-    theta = np.array([
-        np.inf if code in EXCLUDED else LESS.get(code, LEAST) for code in codes.tolist()
-    ])
+    theta = np.array([np.inf if code in EXCLUDED else LESS.get(code, LEAST) for code in codes.tolist()])
 
     def build(some, classes, **other):
         chosen = {**WEIGHTS, **weights, **other}

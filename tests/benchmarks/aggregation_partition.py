@@ -57,9 +57,7 @@ def compare(plain, split, owner, seed, steps):
     cut = annealing(split, seed=seed, iterations=steps)
     raw, new = costs(plain, whole), costs(split, cut)
     ground = costs(split, solution(split, whole.region[owner]))
-    percent = [
-        100.0 * (share(new) / share(old) - 1.0) for old in (raw, ground) for share in PARTS
-    ]
+    percent = [100.0 * (share(new) / share(old) - 1.0) for old in (raw, ground) for share in PARTS]
     return percent, 100.0 * ground.change / ground.total
 
 
@@ -98,9 +96,7 @@ def main():
         plain, split = build(shapes[group], classes[group]), build(parts, classes[group][owner])
         steps = steps or options.steps * len(parts)
         for factor in options.factors:
-            weights = {
-                "boundary": factor * WEIGHTS["boundary"], "centre": factor * WEIGHTS["centre"]
-            }
+            weights = {"boundary": factor * WEIGHTS["boundary"], "centre": factor * WEIGHTS["centre"]}
             for seed in range(options.first, options.first + options.seeds):
                 began = process_time()
                 percent, share = compare(
@@ -109,7 +105,8 @@ def main():
                 found.setdefault((name != "whole map", factor), []).append([share, *percent])
                 lines.append(
                     f"| {name} | {len(group)} | {len(parts)} | x {factor:g} | {steps / 1e6:.2f} M "
-                    f"| {seed} | {share:.0f} % " + "".join(f"| {p:+.1f} % " for p in percent)
+                    f"| {seed} | {share:.0f} % "
+                    + "".join(f"| {p:+.1f} % " for p in percent)
                     + f"| {process_time() - began:.0f} |"
                 )
                 print(lines[-1], flush=True)

@@ -50,23 +50,30 @@ def main():
     def cold(some, count, **weights):
         # steered weights only choose; what is reported is measured with those of the notes
         return annealing(
-            some._replace(**weights), seed=options.seed, count=count, iterations=options.steps or None,
+            some._replace(**weights),
+            seed=options.seed,
+            count=count,
+            iterations=options.steps or None,
             seconds=None if options.steps else options.seconds,
         )
 
     runs = [
-        ("published (Haunert and Wolff 2010)", problem,
-         lambda: published(problem, hw_region, hw_class, classes)),
+        (
+            "published (Haunert and Wolff 2010)",
+            problem,
+            lambda: published(problem, hw_region, hw_class, classes),
+        ),
         ("greedy", problem, lambda: greedy(problem)),
-        (f"greedy, {COUNT} regions", problem,
-         lambda: reach_count(problem, greedy(problem), COUNT)),
+        (f"greedy, {COUNT} regions", problem, lambda: reach_count(problem, greedy(problem), COUNT)),
         ("A annealing, cold", problem, lambda: cold(problem, None)),
         (f"B annealing, cold, {COUNT} regions", problem, lambda: cold(problem, COUNT)),
-        (f"C annealing, cold, {COUNT} regions, steered by {STEERED}", problem,
-         lambda: cold(problem, COUNT, **STEERED)),
+        (
+            f"C annealing, cold, {COUNT} regions, steered by {STEERED}",
+            problem,
+            lambda: cold(problem, COUNT, **STEERED),
+        ),
         ("D annealing after partition at tau = 4", split, lambda: cold(split, None)),
-        (f"E annealing after partition at tau = 4, {COUNT} regions", split,
-         lambda: cold(split, COUNT)),
+        (f"E annealing after partition at tau = 4, {COUNT} regions", split, lambda: cold(split, COUNT)),
     ]
     if options.only:
         runs = [run for run in runs if run[0][1] != " " or run[0][0] in options.only]
@@ -130,10 +137,14 @@ def draw(path, shapes, parts, drawn, classes, problem):
             colour = [COLOURS[code[int(one.cls[u])]] for u in found.core]
         order = np.argsort([-shapely.box(*shape.bounds).area for shape in shown])
         # a hole is filled by what lies in it, which is smaller and drawn later
-        axis.add_collection(PolyCollection(
-            [np.array(exterior(shown[k])) for k in order], facecolors=[colour[k] for k in order],
-            edgecolors="#00000088", linewidths=0.15 if one is None else 0.4,
-        ))
+        axis.add_collection(
+            PolyCollection(
+                [np.array(exterior(shown[k])) for k in order],
+                facecolors=[colour[k] for k in order],
+                edgecolors="#00000088",
+                linewidths=0.15 if one is None else 0.4,
+            )
+        )
         axis.autoscale_view()
         axis.set_title(f"{name}\n{len(outlines)} {'areas' if one is None else 'regions'}", fontsize=11)
     figure.tight_layout()

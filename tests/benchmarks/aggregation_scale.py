@@ -42,9 +42,7 @@ def made(count):
     rng = np.random.default_rng(0)
     side = np.sqrt(count) * 100.0
     points = shapely.multipoints(rng.random((count, 2)) * side)
-    cells = shapely.get_parts(
-        shapely.voronoi_polygons(points, extend_to=shapely.box(0.0, 0.0, side, side))
-    )
+    cells = shapely.get_parts(shapely.voronoi_polygons(points, extend_to=shapely.box(0.0, 0.0, side, side)))
     # classes in patches, so that neighbours often have the same
     middle = shapely.get_coordinates(shapely.centroid(cells)) / 700.0
     wave = np.sin(middle[:, 0]) + np.sin(middle[:, 1]) + rng.normal(0.0, 0.7, len(cells))
@@ -73,7 +71,7 @@ def by_tools(count):
             feature, geometry = QgsFeature(fields), QgsGeometry()
             geometry.fromWkb(blob)
             feature.setGeometry(geometry)
-            feature.setAttributes([None, int(value)][-len(fields):])
+            feature.setAttributes([None, int(value)][-len(fields) :])
             writer.addFeature(feature)
         del writer, shapes
         print(f"layer written, peak memory {memory():.2f} GB", flush=True)
@@ -82,16 +80,28 @@ def by_tools(count):
                 "isthmus:prepareaggregation", path, CLASS="class", TAU=4.0, PLACES="Any", SMALLEST_PART=0
             )
             path = results["OUTPUT"]
-            print(f"prepareaggregation: {took:.0f} s, {results['PIECE_COUNT']} pieces, "
-                  f"peak memory {memory():.2f} GB", flush=True)
+            print(
+                f"prepareaggregation: {took:.0f} s, {results['PIECE_COUNT']} pieces, "
+                f"peak memory {memory():.2f} GB",
+                flush=True,
+            )
         settings = {"AREA_ID": "area_id"} if count else {}
         took, results = bench.run(
-            "isthmus:aggregate", path, CLASS="class", THRESHOLD=200_000.0, METHOD="greedy",
-            DISTANCE="equal" if count else "code", WEIGHT_BOUNDARY=30.0, WEIGHT_CENTRE=1e-4,
+            "isthmus:aggregate",
+            path,
+            CLASS="class",
+            THRESHOLD=200_000.0,
+            METHOD="greedy",
+            DISTANCE="equal" if count else "code",
+            WEIGHT_BOUNDARY=30.0,
+            WEIGHT_CENTRE=1e-4,
             **settings,
         )
-        print(f"aggregate, greedy: {took:.1f} s, {results['REGION_COUNT']} regions, "
-              f"peak memory {memory():.2f} GB", flush=True)
+        print(
+            f"aggregate, greedy: {took:.1f} s, {results['REGION_COUNT']} regions, "
+            f"peak memory {memory():.2f} GB",
+            flush=True,
+        )
 
 
 def big(count):
@@ -100,8 +110,14 @@ def big(count):
     print(f"made {len(shapes)} areas: {process_time() - began:.0f} s", flush=True)
     began = process_time()
     problem = problem_of(
-        shapes, values, np.arange(8), 1.0 - np.eye(8), np.full(8, 200_000.0),
-        change=1.0, boundary=30.0, centre=1e-4,
+        shapes,
+        values,
+        np.arange(8),
+        1.0 - np.eye(8),
+        np.full(8, 200_000.0),
+        change=1.0,
+        boundary=30.0,
+        centre=1e-4,
     )
     print(f"shared boundaries and spreads: {process_time() - began:.0f} s", flush=True)
     began = process_time()
@@ -132,8 +148,9 @@ def main():
 
     print("shared boundaries: {} pairs, {:.0f} m, {:.1f} s".format(*shared(xy, offsets)))
     fewer, starts = without_nodes(xy, offsets)
-    print("without {} nodes: {} pairs, {:.0f} m, {:.1f} s".format(
-        len(xy) - len(fewer), *shared(fewer, starts)))
+    print(
+        "without {} nodes: {} pairs, {:.0f} m, {:.1f} s".format(len(xy) - len(fewer), *shared(fewer, starts))
+    )
     began = process_time()
     found = coverage.faults(coverage.cover(xy, offsets, owner))
     print(f"{len(found.overlaps)} overlaps, {len(found.gaps)} gaps, {process_time() - began:.1f} s")
@@ -141,8 +158,14 @@ def main():
     codes = np.unique(values[:, 0])
     distance = hierarchical_distance([str(code) for code in codes.tolist()])
     problem = problem_of(
-        shapes, values[:, 0], codes, distance, np.full(len(codes), options.threshold),
-        change=1.0, boundary=30.0, centre=1e-4,
+        shapes,
+        values[:, 0],
+        codes,
+        distance,
+        np.full(len(codes), options.threshold),
+        change=1.0,
+        boundary=30.0,
+        centre=1e-4,
     )
     runs = (
         ("greedy", lambda: greedy(problem)),
@@ -156,7 +179,8 @@ def main():
         print(
             f"{name}: {took:.1f} s, {len(solution.core)} regions, "
             f"cost {costs(problem, solution).total:.6g}, {len(problems(problem, solution))} faults, "
-            f"peak memory {memory:.2f} GB", flush=True,
+            f"peak memory {memory:.2f} GB",
+            flush=True,
         )
 
 

@@ -45,7 +45,9 @@ def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("groups", nargs="*")
     arguments.add_argument("--draw", type=Path)
-    arguments.add_argument("--sheet", type=Path, help="the best six and the worst three in the folder, in one picture")
+    arguments.add_argument(
+        "--sheet", type=Path, help="the best six and the worst three in the folder, in one picture"
+    )
     arguments.add_argument("--only", default="", help="cases with this in their name")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
     arguments.add_argument("--note", action="store_true")
@@ -58,8 +60,14 @@ def main():
     load()
     print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
     groups = {
-        "britain": britain, "rules": rules, "world": world, "europe": europe, "cover": cover,
-        "islands": islands, "odd": odd, "along": along,
+        "britain": britain,
+        "rules": rules,
+        "world": world,
+        "europe": europe,
+        "cover": cover,
+        "islands": islands,
+        "odd": odd,
+        "along": along,
     }
     for name in asked.groups or ([] if asked.sheet else groups):
         groups[name](asked)
@@ -133,8 +141,10 @@ def flat(features):
 
 def feature(shape):
     """The rings of the polygons of a shape."""
-    return [[shapely.get_coordinates(ring) for ring in shapely.get_rings(part)]
-            for part in shapely.get_parts(shape)]
+    return [
+        [shapely.get_coordinates(ring) for ring in shapely.get_rings(part)]
+        for part in shapely.get_parts(shape)
+    ]
 
 
 # ---- cases
@@ -168,14 +178,25 @@ def rules(asked):
     def row(name, features, focus, scale=2.0):
         cells = []
         for label, rule, natural, smallest, tau in RULES if asked.only in name else ():
-            made = measure(asked, f"{name}, {label}", features, focus, scale, told=False, tau=tau,
-                           rule=rule_of(rule, natural, smallest))
+            made = measure(
+                asked,
+                f"{name}, {label}",
+                features,
+                focus,
+                scale,
+                told=False,
+                tau=tau,
+                rule=rule_of(rule, natural, smallest),
+            )
             if made is None:
                 cells.append("refused")
                 continue
             d, count = made[1].distortion, len(made[1].edges)
-            noted.setdefault(name, {})[label] = {"edges": count, "median": round(d.median, 1),
-                                                 "high": round(d.high, 1)}
+            noted.setdefault(name, {})[label] = {
+                "edges": count,
+                "median": round(d.median, 1),
+                "high": round(d.high, 1),
+            }
             cells.append(f"{d.median:.1f} / {d.high:.1f} ({count:,})")
         if cells:
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
@@ -184,7 +205,12 @@ def rules(asked):
         row(f"Great Britain {size}, Wales", *great_britain(size))
     shapes, features = european()
     for code in EUROPE:
-        row(f"Europe, {code}, x 3", features, shapely.union_all([s for name, s in shapes if name == code]), 3.0)
+        row(
+            f"Europe, {code}, x 3",
+            features,
+            shapely.union_all([s for name, s in shapes if name == code]),
+            3.0,
+        )
     for name, shapes, kind, focus in covers(asked):
         row(f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
     if asked.note:
@@ -223,7 +249,10 @@ def covers(asked):
     found = [("cells", cells(3, 400)), ("patches", patches(5, 90))]
     for name, shapes in found + [(path.stem, layer(path)) for path in asked.cover]:
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array(shapes))
-        middle, size = np.array((low_x + high_x, low_y + high_y)) / 2.0, np.array((high_x - low_x, high_y - low_y))
+        middle, size = (
+            np.array((low_x + high_x, low_y + high_y)) / 2.0,
+            np.array((high_x - low_x, high_y - low_y)),
+        )
         for share in (0.15, 0.3):
             half = size * np.sqrt(share) / 2.0
             box = shapely.box(*(middle - half), *(middle + half))
@@ -298,8 +327,10 @@ def along(asked):
     seconds = time.process_time() - begun
     expected = result.rows[row] + share * (result.rows[row + 1] - result.rows[row])
     width = np.ptp(rows, axis=0).max()
-    print(f"20,000 points on borders: off by {np.abs(carried - expected).max() / width:.1e} of the width, "
-          f"{seconds:.1f} s")
+    print(
+        f"20,000 points on borders: off by {np.abs(carried - expected).max() / width:.1e} of the width, "
+        f"{seconds:.1f} s"
+    )
     inside = rng.uniform(*np.array(shapely.bounds(focus)).reshape(2, 2), (4000, 2))
     inside = inside[shapely.covers(focus, shapely.points(inside))]
     moved = carrier(inside)
@@ -339,8 +370,11 @@ def countries(crs, window=None):
         geometry = one.geometry()
         if window:
             x0, y0, x1, y1 = map(float, window.split())
-            parts = [part for part in shapely.get_parts(shapely.from_wkb(bytes(geometry.asWkb())))
-                     if shapely.within(part, shapely.box(x0, y0, x1, y1))]
+            parts = [
+                part
+                for part in shapely.get_parts(shapely.from_wkb(bytes(geometry.asWkb())))
+                if shapely.within(part, shapely.box(x0, y0, x1, y1))
+            ]
             if not parts:
                 continue
             geometry.fromWkb(shapely.to_wkb(shapely.multipolygons(parts)))
@@ -354,8 +388,11 @@ def layer(path):
     """The shapes of a GeoPackage's first layer with polygons."""
     from qgis.core import QgsVectorLayer
 
-    found = [shapely.force_2d(shapely.from_wkb(bytes(one.geometry().asWkb())))
-             for one in QgsVectorLayer(str(path), "", "ogr").getFeatures() if not one.geometry().isEmpty()]
+    found = [
+        shapely.force_2d(shapely.from_wkb(bytes(one.geometry().asWkb())))
+        for one in QgsVectorLayer(str(path), "", "ogr").getFeatures()
+        if not one.geometry().isEmpty()
+    ]
     return [one for one in found if one.geom_type.endswith("Polygon")]
 
 
@@ -365,8 +402,9 @@ def cells(seed, count):
     sites = shapely.multipoints(rng.random((count, 2)) * 1000.0)
     frame = shapely.box(0, 0, 1000, 1000)
     lines = shapely.voronoi_polygons(sites, extend_to=frame, only_edges=True)
-    lines = shapely.get_parts(shapely.node(shapely.union_all([
-        shapely.intersection(lines, frame), shapely.boundary(frame)])))
+    lines = shapely.get_parts(
+        shapely.node(shapely.union_all([shapely.intersection(lines, frame), shapely.boundary(frame)]))
+    )
     rough = []
     for line in lines:
         a, b = shapely.get_coordinates(line)[[0, -1]]
@@ -376,16 +414,23 @@ def cells(seed, count):
             t = np.linspace(0.0, 1.0, len(ring))
             height = np.hypot(*(b - a)) * 0.04
             wave = sum(rng.normal() / k * np.sin(np.pi * k * t) for k in (1, 2, 3, 5, 8, 13))
-            ring = ring + np.outer(height * wave * np.sin(np.pi * t), (-(b - a)[1], (b - a)[0])) / np.hypot(*(b - a))
+            ring = ring + np.outer(height * wave * np.sin(np.pi * t), (-(b - a)[1], (b - a)[0])) / np.hypot(
+                *(b - a)
+            )
         rough.append(shapely.linestrings(ring))
-    return list(shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(shapely.union_all(rough))))))
+    return list(
+        shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(shapely.union_all(rough)))))
+    )
 
 
 def patches(seed, n):
     """A made coverage: classes of smooth noise on a grid, with the stairs that rasters have."""
     rng = np.random.default_rng(seed)
-    noise = sum(np.cos(rng.uniform(-12, 12) * x + rng.uniform(-12, 12) * y + rng.uniform(0, 6))
-                for x, y in [np.meshgrid(*[np.linspace(0, 1, n)] * 2)] for _ in range(14))
+    noise = sum(
+        np.cos(rng.uniform(-12, 12) * x + rng.uniform(-12, 12) * y + rng.uniform(0, 6))
+        for x, y in [np.meshgrid(*[np.linspace(0, 1, n)] * 2)]
+        for _ in range(14)
+    )
     kind = np.digitize(noise, np.quantile(noise, (0.2, 0.4, 0.6, 0.8)))
     found = []
     for value in range(5):
@@ -417,9 +462,9 @@ def draw(picture, rows, starts, numbers, result, focus):
             for lines in polygons:
                 path = QPainterPath()
                 for line in lines:
-                    at = (xy[starts[line]:starts[line + 1]] - low) * scale
+                    at = (xy[starts[line] : starts[line + 1]] - low) * scale
                     path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))
-                mine = inside[starts[lines[0]]:starts[lines[0] + 1]].mean() > 0.9
+                mine = inside[starts[lines[0]] : starts[lines[0] + 1]].mean() > 0.9
                 painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
                 painter.drawPath(path)
         left += int(width)
@@ -432,7 +477,9 @@ def sheet(folder, picture):
     from qgis.PyQt.QtCore import QRect, Qt
     from qgis.PyQt.QtGui import QColor, QImage, QPainter
 
-    order = sorted(json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0]))
+    order = sorted(
+        json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0])
+    )
     order = [one for one in order if one[1][2] > 0.0]
     width, height = 300, 220
     image = QImage(3 * width, 3 * height, QImage.Format.Format_RGB32)
@@ -443,11 +490,17 @@ def sheet(folder, picture):
     painter.setFont(font)
     for k, (file, (name, median, high)) in enumerate(order[:6] + order[-3:]):
         one = QImage(str(folder / file)).scaled(
-            width - 8, height - 26, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation)
+            width - 8,
+            height - 26,
+            Qt.AspectRatioMode.KeepAspectRatio,
+            Qt.TransformationMode.SmoothTransformation,
+        )
         x, y = k % 3 * width, k // 3 * height
         painter.drawImage(x + (width - one.width()) // 2, y + 20, one)
         painter.setPen(QColor("#8a2b1d" if k > 5 else "#333333"))
-        painter.drawText(QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees")
+        painter.drawText(
+            QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees"
+        )
     painter.end()
     image.save(str(picture))
 

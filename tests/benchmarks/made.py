@@ -17,8 +17,9 @@ def cheese(holes, seed=1):
     # a grid of cells of the largest reach finds the neighbours of a hole
     cells, placed = {}, 0
     while placed < holes:
-        for x, y, r in zip(*(rng.random((2, holes)) * side), rng.choice([0.1, 0.2, 0.35, 0.5], holes,
-                                                                      p=[0.4, 0.3, 0.2, 0.1])):
+        for x, y, r in zip(
+            *(rng.random((2, holes)) * side), rng.choice([0.1, 0.2, 0.35, 0.5], holes, p=[0.4, 0.3, 0.2, 0.1])
+        ):
             a, b = int(x), int(y)
             near = [k for i in (a - 1, a, a + 1) for j in (b - 1, b, b + 1) for k in cells.get((i, j), ())]
             if not all(np.hypot(*(centre[k] - (x, y))) > radius[k] + r + 0.02 for k in near):
@@ -67,12 +68,36 @@ def buildings(count, seed=1):
             ring = [(0, 0), (w, 0), (w, b * h), (a * w, b * h), (a * w, h), (0, h)]
         elif kind == 2:  # two wings joined by a passage
             a, b = rng.uniform(0.05, 0.4, 2)
-            ring = [(0, 0), (w / 3, 0), (w / 3, a * h), (w * 0.6, a * h), (w * 0.6, 0), (w, 0), (w, h),
-                    (w * 0.7, h), (w * 0.7, h * (1 - b)), (w * 0.2, h * (1 - b)), (w * 0.2, h), (0, h)]
+            ring = [
+                (0, 0),
+                (w / 3, 0),
+                (w / 3, a * h),
+                (w * 0.6, a * h),
+                (w * 0.6, 0),
+                (w, 0),
+                (w, h),
+                (w * 0.7, h),
+                (w * 0.7, h * (1 - b)),
+                (w * 0.2, h * (1 - b)),
+                (w * 0.2, h),
+                (0, h),
+            ]
         elif kind == 3:  # a bay and a chimney
             a, b = rng.uniform(0.05, 0.3, 2)
-            ring = [(0, 0), (w * 0.45, 0), (w * 0.45, -a), (w * 0.5, -a), (w * 0.5, 0), (w, 0), (w, h),
-                    (w * 0.8, h), (w * 0.8, h + b * h), (w * 0.6, h + b * h), (w * 0.6, h), (0, h)]
+            ring = [
+                (0, 0),
+                (w * 0.45, 0),
+                (w * 0.45, -a),
+                (w * 0.5, -a),
+                (w * 0.5, 0),
+                (w, 0),
+                (w, h),
+                (w * 0.8, h),
+                (w * 0.8, h + b * h),
+                (w * 0.6, h + b * h),
+                (w * 0.6, h),
+                (0, h),
+            ]
         else:  # an annex
             a = rng.uniform(0.1, 0.9)
             ring = [(0, 0), (w, 0), (w, a * h), (w * 1.3, a * h), (w * 1.3, h), (0, h)]

@@ -51,8 +51,12 @@ def from_rings(polygons):
     for coords, offsets in polygons:
         offsets = np.asarray(offsets)
         yield from wkb.polygon_geometries(
-            np.ascontiguousarray(coords), np.arange(len(coords)), offsets,
-            np.array([0, len(offsets) - 1]), [0], False,
+            np.ascontiguousarray(coords),
+            np.arange(len(coords)),
+            offsets,
+            np.array([0, len(offsets) - 1]),
+            [0],
+            False,
         )
 
 
@@ -103,14 +107,17 @@ class Bench:
 
         start = time.process_time()
         results = processing.run(
-            tool, {"INPUT": path, "OUTPUT": f"{self.folder}/{tool.partition(':')[2]}.gpkg", **parameters},
+            tool,
+            {"INPUT": path, "OUTPUT": f"{self.folder}/{tool.partition(':')[2]}.gpkg", **parameters},
             feedback=QgsProcessingFeedback(False),
         )
         return time.process_time() - start, results
 
     def partition(self, path, **parameters):
         return self.run(
-            "isthmus:partition", path, **{"TAU": 4, **EVERYWHERE, "CUTS": f"{self.folder}/cuts.gpkg", **parameters}
+            "isthmus:partition",
+            path,
+            **{"TAU": 4, **EVERYWHERE, "CUTS": f"{self.folder}/cuts.gpkg", **parameters},
         )
 
 
@@ -131,8 +138,12 @@ def measure(row):
             peak = memory()
             fix, _ = bench.run("native:fixgeometries", path)
             return {
-                "seconds": seconds, "fix": fix, "ratio": seconds / fix, "gb": peak,
-                "parts": results["PART_COUNT"], "cuts": results["CUT_COUNT"],
+                "seconds": seconds,
+                "fix": fix,
+                "ratio": seconds / fix,
+                "gb": peak,
+                "parts": results["PART_COUNT"],
+                "cuts": results["CUT_COUNT"],
             }
         if row == "prepare":
             path = bench.layer(*land_cover())
@@ -144,8 +155,12 @@ def measure(row):
             seconds, results = bench.partition(path, OBJECTIVE="MinLength", MAX_GAP=0)
             gap = results["COST"] - results["LOWER_BOUND"]
             return {
-                "seconds": seconds, "size": fewest, "ratio": seconds / fewest, "gb": memory(),
-                "gap": gap / results["COST"], "cuts": results["CUT_COUNT"],
+                "seconds": seconds,
+                "size": fewest,
+                "ratio": seconds / fewest,
+                "gb": memory(),
+                "gap": gap / results["COST"],
+                "cuts": results["CUT_COUNT"],
             }
         if row == "multipolygon":
             from qgis.core import QgsGeometry
@@ -154,13 +169,17 @@ def measure(row):
             path = bench.layer([whole], "MultiPolygon")
         else:
             made_row = {
-                "cheese": lambda: made.cheese(7_800), "plate_5000": lambda: made.plate_with_holes(5_000),
+                "cheese": lambda: made.cheese(7_800),
+                "plate_5000": lambda: made.plate_with_holes(5_000),
                 "plate_50000": lambda: made.plate_with_holes(50_000),
             }[row]
             path = bench.layer(from_rings([made_row()]))
         seconds, results = bench.partition(path)
         return {
-            "seconds": seconds, "gb": memory(), "parts": results["PART_COUNT"], "cuts": results["CUT_COUNT"],
+            "seconds": seconds,
+            "gb": memory(),
+            "parts": results["PART_COUNT"],
+            "cuts": results["CUT_COUNT"],
         }
 
 
@@ -193,7 +212,7 @@ def land_cover():
     geometries = []
     for (blob,) in database.execute(f'select "{column}" from "{table}"'):
         geometry = QgsGeometry()
-        geometry.fromWkb(blob[8 + envelope[(blob[3] >> 1) & 7]:])
+        geometry.fromWkb(blob[8 + envelope[(blob[3] >> 1) & 7] :])
         geometries.append(geometry)
     return geometries, "Polygon" if not geometries[0].isMultipart() else "MultiPolygon"
 
@@ -216,7 +235,9 @@ def main():
     for row in options.rows or ROWS:
         print(ROWS[row], flush=True)
         done = subprocess.run(
-            [sys.executable, __file__, "--cell", row], capture_output=True, encoding="utf-8",
+            [sys.executable, __file__, "--cell", row],
+            capture_output=True,
+            encoding="utf-8",
             timeout=PATIENCE,
         )
         lines = done.stdout.strip().splitlines()

@@ -124,12 +124,16 @@ def measured_shapes():
             prepared[smallest] = prepare(rings, smallest)
         ari = agreement(prepared[smallest], tau)
         share = "" if smallest is None else f"{smallest:.1%}"
-        name = {("Any", None, 4.0): "any", ("Natural", 0.002, 1.0): "shapes",
-                ("Natural", SMALLEST, TAU): "default"}.get((place, smallest, tau))
+        name = {
+            ("Any", None, 4.0): "any",
+            ("Natural", 0.002, 1.0): "shapes",
+            ("Natural", SMALLEST, TAU): "default",
+        }.get((place, smallest, tau))
         if name:
             NOTED[f"agreement_{name}"] = round(ari.mean(), 2)
-        rows.append((place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}",
-                     f"{ari[~first].mean():.3f}"))
+        rows.append(
+            (place, share, tau, f"{ari.mean():.3f}", f"{ari[first].mean():.3f}", f"{ari[~first].mean():.3f}")
+        )
     print(f"Agreement with people (ARI), {len(data)} silhouettes; to reach: 0.53, and 0.45 at tau = {TAU:g}")
     table(("places", "smallest part", "tau", "ARI", "half of the kinds", "other half"), rows)
 
@@ -168,9 +172,7 @@ def measured_layers():
             smallest += [SMALLEST * area.sum()] * int(large.sum())
             whole += [area.sum()] * int(large.sum())
         all_told = stages.together(told)
-        prepared = solve.prepare(
-            all_told, natural=True, smallest=np.array(smallest), measure=GLOBE
-        )
+        prepared = solve.prepare(all_told, natural=True, smallest=np.array(smallest), measure=GLOBE)
         number = prepared.polygons.number
         whole = np.array(whole)
         area = shells(all_told, GLOBE)[number]
@@ -183,14 +185,28 @@ def measured_layers():
                 NOTED[name] = {"cuts": len(cut), "blunt": round(100 * blunt, 1)}
             made = np.repeat(np.diff(part.parts.part_offsets) > 1, np.diff(part.parts.part_offsets))
             of = np.repeat(number, np.diff(part.parts.part_offsets))
-            rows.append((
-                name, tau, len(cut), np.count_nonzero(made),
-                f"{np.mean(part.parts.area[made] < 0.01 * whole[of[made]]):.1%}",
-                f"{blunt:.1%}",
-            ))
+            rows.append(
+                (
+                    name,
+                    tau,
+                    len(cut),
+                    np.count_nonzero(made),
+                    f"{np.mean(part.parts.area[made] < 0.01 * whole[of[made]]):.1%}",
+                    f"{blunt:.1%}",
+                )
+            )
     print("QGIS's world map; to reach: at most 1 %, and 15 %")
-    table(("layer", "tau", "cuts", "parts", "parts below 1 % of their feature",
-           "cuts with less than a square on them"), rows)
+    table(
+        (
+            "layer",
+            "tau",
+            "cuts",
+            "parts",
+            "parts below 1 % of their feature",
+            "cuts with less than a square on them",
+        ),
+        rows,
+    )
 
 
 # ------------------------------------------------------------------------------------------- coasts
@@ -294,16 +310,23 @@ def measured_necks():
         key = label.replace(" ", "_").replace("'", "")
         for noted, what in (("necks", "coast"), ("necks_ends", "ends")):
             NOTED.setdefault(noted, {})[key] = round(100 * total[kinds[0], what][-1])
-    print(f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
-          "coast in common with what the neck of the page holds (of the coast that either has), and how far "
-          "the ends of the nearest cut lie from that neck's; to reach: 90 %. As typed: of the vertices next "
-          "to the places from which the page looks for the neck")
+    print(
+        f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
+        "coast in common with what the neck of the page holds (of the coast that either has), and how far "
+        "the ends of the nearest cut lie from that neck's; to reach: 90 %. As typed: of the vertices next "
+        "to the places from which the page looks for the neck"
+    )
     words = {"coast": "three quarters of the coast in common", "ends": "ends within 60 km"}
-    table(("neck", *maps), [
-        *rows.values(),
-        *([f"**{words[what]}**, {kind}", *(f"{share:.0%}" for share in shares)]
-          for (kind, what), shares in total.items()),
-    ])
+    table(
+        ("neck", *maps),
+        [
+            *rows.values(),
+            *(
+                [f"**{words[what]}**, {kind}", *(f"{share:.0%}" for share in shares)]
+                for (kind, what), shares in total.items()
+            ),
+        ],
+    )
 
 
 def against_neck(ring, cuts, ends):
@@ -388,8 +411,9 @@ def measured_basins():
             if tau == TAU:
                 NOTED[f"agreement_{name}"] = round(found, 2)
                 NOTED[f"joined_{name}"] = round(joined, 2)
-            rows.append((name, len(truth), tau, len(parts), len(selection.selected),
-                         f"{found:.2f}", f"{joined:.2f}"))
+            rows.append(
+                (name, len(truth), tau, len(parts), len(selection.selected), f"{found:.2f}", f"{joined:.2f}")
+            )
         # the hierarchy's level with as many parts as there are names
         selection = solve.select(prepared, 1.0)
         nested = hierarchy(prepared, selection)
@@ -399,8 +423,17 @@ def measured_basins():
             if len(parts) == len(truth):
                 found, joined = rand_indices(parts, truth)
                 NOTED[f"level_{name}"] = round(found, 2)
-                rows.append((name, len(truth), f"{len(truth)} parts", len(parts), rank,
-                             f"{found:.2f}", f"{joined:.2f}"))
+                rows.append(
+                    (
+                        name,
+                        len(truth),
+                        f"{len(truth)} parts",
+                        len(parts),
+                        rank,
+                        f"{found:.2f}",
+                        f"{joined:.2f}",
+                    )
+                )
                 break
     print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
     table(("water", "names", "tau", "parts", "cuts", "ARI", "ARI, parts of one name joined"), rows)
@@ -435,9 +468,7 @@ def measured_levels():
     if not missing(path):
         data = np.load(path)
         told = np.split(data["ring"], data["ring_start"][1:-1])
-        sets["silhouettes"] = prepare(
-            stages.together([(ring, [0, len(ring)]) for ring in told]), 0.002
-        )
+        sets["silhouettes"] = prepare(stages.together([(ring, [0, len(ring)]) for ring in told]), 0.002)
     if WORLD.exists():
         polygons = shapely.get_parts(np.array(features("countries")))
         polygons = [one for one in polygons if shapely.area(ground(one)) > 1e9 and one.is_valid]
@@ -494,16 +525,34 @@ def measured_time():
         lap()
         hierarchy(prepared, selection)
         lap()
-        rows.append((name, f"{len(ring):,}", int(found.kept.sum()),
-                     *(f"{d:.2f}" for d in np.diff(clock)[[0, 1, 3, 4, 5]])))
+        rows.append(
+            (
+                name,
+                f"{len(ring):,}",
+                int(found.kept.sum()),
+                *(f"{d:.2f}" for d in np.diff(clock)[[0, 1, 3, 4, 5]]),
+            )
+        )
     print("Seconds of one processor")
-    table(("", "vertices", "candidates", "checks", "triangulation", "natural", "checks to parts",
-           "hierarchy after it"), rows)
+    table(
+        (
+            "",
+            "vertices",
+            "candidates",
+            "checks",
+            "triangulation",
+            "natural",
+            "checks to parts",
+            "hierarchy after it",
+        ),
+        rows,
+    )
 
 
 PARTS = {
     name.removeprefix("measured_"): function
-    for name, function in list(globals().items()) if name.startswith("measured_")
+    for name, function in list(globals().items())
+    if name.startswith("measured_")
 }
 
 if __name__ == "__main__":

@@ -55,9 +55,7 @@ def corridor(n):
     """A winding strip of constant width: its dual tree is a path."""
     t = np.arange(n // 2, dtype=float)
     y = 3.0 * np.sin(t / 50.0)
-    return np.concatenate(
-        (np.column_stack((t + 0.3, y - 1.0)), np.column_stack((t, y + 1.0))[::-1])
-    )
+    return np.concatenate((np.column_stack((t + 0.3, y - 1.0)), np.column_stack((t, y + 1.0))[::-1]))
 
 
 def spiral(n):
@@ -228,9 +226,7 @@ def main():
                 continue
             command = [sys.executable, __file__, "--cell", column, name]
             try:
-                done = subprocess.run(
-                    command, capture_output=True, encoding="utf-8", timeout=PATIENCE
-                )
+                done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=PATIENCE)
             except subprocess.TimeoutExpired:
                 print(f"  {label:36}not done after {PATIENCE} s", flush=True)
                 continue
@@ -244,13 +240,15 @@ def main():
             if len(numbers) > 1:
                 noted[column]["new"] = numbers[1]
             print(
-                f"  {label:36}{seconds:9.3f} s{seconds / baseline:8.2f} x Triangle"
-                f"{peak:7.2f} GB   {result}",
+                f"  {label:36}{seconds:9.3f} s{seconds / baseline:8.2f} x Triangle{peak:7.2f} GB   {result}",
                 flush=True,
             )
         if options.note:
             kind = "eurasia" if "0-E" in name else name.split(",")[0].replace(" ", "_")
-            noted = {**results().get("partition_speed", {}).get(kind, {}), **noted}  # of columns not asked for
+            noted = {
+                **results().get("partition_speed", {}).get(kind, {}),
+                **noted,
+            }  # of columns not asked for
             note("partition_speed", {kind: noted, "source": "partition_speed.py --note"})
 
 

@@ -36,10 +36,12 @@ def buildings(count):
     """So many buildings as polygons."""
     import made
 
-    tile = np.array([
-        shapely.Polygon(coords[:offsets[1]], [coords[a:b] for a, b in zip(offsets[1:-1], offsets[2:])])
-        for coords, offsets in made.buildings(min(count, TILE))
-    ])
+    tile = np.array(
+        [
+            shapely.Polygon(coords[: offsets[1]], [coords[a:b] for a, b in zip(offsets[1:-1], offsets[2:])])
+            for coords, offsets in made.buildings(min(count, TILE))
+        ]
+    )
     wide = np.ptp(shapely.get_coordinates(tile)[:, 0]) + 100.0
     copies = [shapely.transform(tile, lambda xy, k=k: xy + (k * wide, 0.0)) for k in range(-(-count // TILE))]
     return np.concatenate(copies)[:count]
@@ -53,7 +55,7 @@ def forest(polygons, natural, tau):
 
     seconds, parts, cuts = 0.0, 0, 0
     for start in range(0, len(polygons), CHUNK_FEATURES):
-        own = polygons[start:start + CHUNK_FEATURES]
+        own = polygons[start : start + CHUNK_FEATURES]
         rings, smallest = read_polygons(own).rings, 0.01 * shapely.area(own) if natural else 0.0
         begun = time.process_time()
         prepared = solve.prepare(rings, natural=natural, smallest=smallest)
@@ -85,7 +87,11 @@ def series(count):
             assert (len(found.parts), len(found.cuts)) == (parts, cuts)
         ratio = statistics.median(b / a for a, b in zip(core, package))
         rows[places.lower()] = {
-            "core": min(core), "package": min(package), "ratio": ratio, "parts": parts, "cuts": cuts
+            "core": min(core),
+            "package": min(package),
+            "ratio": ratio,
+            "parts": parts,
+            "cuts": cuts,
         }
         print(f"{places}: core {core}, package {package}, ratio {ratio:.3f}; {parts} parts, {cuts} cuts")
     return rows
@@ -126,9 +132,11 @@ def together(folder):
         table.map_partitions(parts_of, meta=parts_of(table._meta)).to_parquet(f"{folder}.two")
         workers = list(client.run(usage).values())
     return {
-        "seconds": time.perf_counter() - begun, "start": started,
+        "seconds": time.perf_counter() - begun,
+        "start": started,
         "processor": usage()["processor"] + sum(worker["processor"] for worker in workers),
-        "gb": max(worker["gb"] for worker in workers), "scheduler_gb": usage()["gb"],
+        "gb": max(worker["gb"] for worker in workers),
+        "scheduler_gb": usage()["gb"],
     }
 
 
@@ -138,10 +146,14 @@ def same(folder):
     import pandas
 
     one = geopandas.read_parquet(f"{folder}.one.parquet")
-    two = pandas.concat([
-        geopandas.read_parquet(file)
-        for file in sorted(Path(f"{folder}.two").glob("*.parquet"), key=lambda f: int(f.name.split(".")[1]))
-    ])
+    two = pandas.concat(
+        [
+            geopandas.read_parquet(file)
+            for file in sorted(
+                Path(f"{folder}.two").glob("*.parquet"), key=lambda f: int(f.name.split(".")[1])
+            )
+        ]
+    )
     assert list(one.columns) == list(two.columns)
     assert shapely.equals_identical(one.geometry.to_numpy(), two.geometry.to_numpy()).all()
     for column in one.columns.drop(one.geometry.name):

@@ -73,9 +73,7 @@ def rounded(prepared, tau, seconds):
             low = step
         else:
             high = step
-    solution = select(
-        prepared, tau, weight=np.rint(prepared.length / high), max_gap=1e-3, time_limit=60.0
-    )
+    solution = select(prepared, tau, weight=np.rint(prepared.length / high), max_gap=1e-3, time_limit=60.0)
     return prepared.length[solution.selected].sum(), high
 
 
@@ -86,9 +84,7 @@ def measure(name, ring, taus, max_gap, limit, baselines):
     noted = {"vertices": len(ring)}
     for tau in taus:
         start = time.process_time()
-        best = select(
-            prepared, tau, weight=prepared.length, max_gap=max_gap, time_limit=limit
-        )
+        best = select(prepared, tau, weight=prepared.length, max_gap=max_gap, time_limit=limit)
         best = best._replace(cost=best.cost[0], lower_bound=best.lower_bound[0])
         seconds = time.process_time() - start
         gap = 100.0 * (best.cost - best.lower_bound) / best.cost

@@ -44,8 +44,6 @@ def all_subsets(points, candidates, direct=None):
         distance[subset[:, c], u[c], v[c]] = direct[u[c], v[c]]
         distance[subset[:, c], v[c], u[c]] = direct[u[c], v[c]]
     for via in range(n):
-        np.minimum(
-            distance, distance[:, :, via, None] + distance[:, None, via, :], out=distance
-        )
+        np.minimum(distance, distance[:, :, via, None] + distance[:, None, via, :], out=distance)
 
     return subset, (distance[:, u, v] / direct[u, v]).max(axis=1, initial=1.0)

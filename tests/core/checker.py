@@ -38,6 +38,7 @@ def dilations(xy, rings, selected, candidates, length=None):
     Dijkstra for each candidate: O(c n log n).
     """
     if length is None:
+
         def length(u, v):
             return float(np.hypot(*(xy[u] - xy[v])))
 
@@ -54,9 +55,7 @@ def dilations(xy, rings, selected, candidates, length=None):
             link(u, v)
     for u, v in selected:
         link(int(u), int(v))
-    return np.array(
-        [_shortest(links, int(u), int(v)) / length(int(u), int(v)) for u, v in candidates]
-    )
+    return np.array([_shortest(links, int(u), int(v)) / length(int(u), int(v)) for u, v in candidates])
 
 
 def _shortest(links, source, goal):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
+
 # not every machine has a wheel of each; ISTHMUS_ENGINE (`./run test --engine`) leaves only one
 def _has(engine):
     if os.environ.get("ISTHMUS_ENGINE", engine) != engine:
@@ -80,7 +81,7 @@ def tour(seed, n, size=10**6):
         for a in range(n - 1):
             for b in range(a + 2, n - (a == 0)):
                 if _cross(ring[a], ring[a + 1], ring[b], ring[(b + 1) % n]):
-                    ring[a + 1:b + 1] = ring[a + 1:b + 1][::-1]
+                    ring[a + 1 : b + 1] = ring[a + 1 : b + 1][::-1]
                     moved = True
     return shape(ring)
 
@@ -148,17 +149,12 @@ def _turn(a, b, c):
 
 def _between(p, a, b):
     """Whether p lies inside the segment a-b."""
-    return (
-        _turn(a, b, p) == 0
-        and (p[0] - a[0]) * (p[0] - b[0]) + (p[1] - a[1]) * (p[1] - b[1]) < 0
-    )
+    return _turn(a, b, p) == 0 and (p[0] - a[0]) * (p[0] - b[0]) + (p[1] - a[1]) * (p[1] - b[1]) < 0
 
 
 def _cross(a, b, c, d):
     """Whether the insides of two segments meet, other than along a line."""
-    return (
-        _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0
-    )
+    return _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0
 
 
 def _inside(ring, u, v):
@@ -183,8 +179,20 @@ def _inside(ring, u, v):
 SQUARE = shape(box(0, 0, 10, 10))
 TRIANGLE = shape([(0, 0), (4, 0), (0, 3)])
 DUMBBELL = shape(
-    [(0, 0), (10, 0), (10, 4), (12, 4), (12, 0), (22, 0), (22, 10), (12, 10), (12, 6), (10, 6),
-     (10, 10), (0, 10)]
+    [
+        (0, 0),
+        (10, 0),
+        (10, 4),
+        (12, 4),
+        (12, 0),
+        (22, 0),
+        (22, 10),
+        (12, 10),
+        (12, 6),
+        (10, 6),
+        (10, 10),
+        (0, 10),
+    ]
 )
 ANNULUS = shape(box(0, 0, 10, 10), box(4, 4, 6, 6)[::-1])
 TWO_HOLES = shape(box(0, 0, 20, 10), box(4, 4, 6, 6)[::-1], box(14, 4, 16, 6)[::-1])
@@ -195,23 +203,38 @@ HOLES_TOUCH_IN_EDGE = shape(
     box(0, 0, 20, 10), [(4, 4), (4, 6), (10, 6), (10, 4)], [(10, 5), (15, 7), (15, 3)]
 )
 CHAIN_OF_HOLES = shape(
-    box(0, 0, 30, 10), [(2, 5), (5, 8), (8, 5), (5, 2)], [(8, 5), (11, 8), (14, 5), (11, 2)],
+    box(0, 0, 30, 10),
+    [(2, 5), (5, 8), (8, 5), (5, 2)],
+    [(8, 5), (11, 8), (14, 5), (11, 2)],
     [(14, 5), (17, 8), (20, 5), (17, 2)],
 )
 # a hole between two others and the shell's edge: one vertex on three rings
 THREE_AT_A_POINT = shape(
-    box(0, 0, 20, 20), [(10, 10), (14, 18), (6, 18)], [(10, 10), (2, 6), (8, 2)],
+    box(0, 0, 20, 20),
+    [(10, 10), (14, 18), (6, 18)],
+    [(10, 10), (2, 6), (8, 2)],
     [(10, 10), (12, 2), (18, 6)],
 )
 # T leaves the vertex that the last ring shares with the shell
 NOTCH_TOUCHES_LAST_HOLE = shape(
-    [(0, 0), (20, 0), (20, 10), (9, 10), (8, 5), (7, 10), (0, 10)], box(4, 4, 6, 6)[::-1],
+    [(0, 0), (20, 0), (20, 10), (9, 10), (8, 5), (7, 10), (0, 10)],
+    box(4, 4, 6, 6)[::-1],
     [(8, 5), (12, 7), (12, 3)],
 )
 # GEOS 3.13 cannot triangulate this one ("Unable to find a convex corner"), only its mirror image
 GEOS_FAILS = shape(
-    [(22994, 497773), (38657, 815492), (87752, 837944), (602962, 994531), (426885, 644429),
-     (740464, 611855), (893939, 341194), (537209, 80248), (35448, 150325), (149447, 455787)],
+    [
+        (22994, 497773),
+        (38657, 815492),
+        (87752, 837944),
+        (602962, 994531),
+        (426885, 644429),
+        (740464, 611855),
+        (893939, 341194),
+        (537209, 80248),
+        (35448, 150325),
+        (149447, 455787),
+    ],
     [(309752, 408668), (362540, 257977), (740464, 611855)],
     [(376772, 625544), (284131, 716399), (99275, 821794), (271529, 641985), (309752, 408668)],
     [(312297, 292680), (211332, 272765), (362540, 257977)],
@@ -232,9 +255,7 @@ TOUCHING = {
 def lattice_of_holes(k):
     """A square with k * k square holes, all gaps alike."""
     side = 2 * k + 1
-    holes = [
-        box(2 * i + 1, 2 * j + 1, 2 * i + 2, 2 * j + 2)[::-1] for i in range(k) for j in range(k)
-    ]
+    holes = [box(2 * i + 1, 2 * j + 1, 2 * i + 2, 2 * j + 2)[::-1] for i in range(k) for j in range(k)]
     return shape(box(0, 0, side, side), *holes)
 
 
@@ -244,8 +265,9 @@ def koch(depth):
     for _ in range(depth):
         step = np.diff(points)
         points = np.append(
-            (points[:-1, None] + step[:, None]
-             * [0, 1 / 3, 0.5 + np.sqrt(3) / 6 * 1j, 2 / 3]).ravel(), points[-1])
+            (points[:-1, None] + step[:, None] * [0, 1 / 3, 0.5 + np.sqrt(3) / 6 * 1j, 2 / 3]).ravel(),
+            points[-1],
+        )
     return shape(np.column_stack((points.real, points.imag))[:-1])
 
 

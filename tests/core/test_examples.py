@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 MODULES = sorted(
-    name for _, name, is_package in pkgutil.walk_packages(isthmus.core.__path__, "isthmus.core.")
+    name
+    for _, name, is_package in pkgutil.walk_packages(isthmus.core.__path__, "isthmus.core.")
     if not is_package
 )
 
@@ -27,6 +28,13 @@ def test_there_are_some():
         name: sum(bool(test.examples) for test in finder.find(importlib.import_module(name)))
         for name in MODULES
     }
-    for stage in ("rings", "partition.solve", "partition.polygon", "partition.dual_tree", "partition.carving",
-                  "partition.hierarchy", "partition.min_weight"):
+    for stage in (
+        "rings",
+        "partition.solve",
+        "partition.polygon",
+        "partition.dual_tree",
+        "partition.carving",
+        "partition.hierarchy",
+        "partition.min_weight",
+    ):
         assert count[f"isthmus.core.{stage}"], stage

@@ -23,16 +23,23 @@ def vincenty(p, q):
         cos2_a = 1 - sin_a**2
         mid = cos_s - 2 * s1 * s2 / cos2_a if cos2_a > 1e-15 else 0.0
         c = f / 16 * cos2_a * (4 + f * (4 - 3 * cos2_a))
-        before, lam = lam, apart + (1 - c) * f * sin_a * (
-            sigma + c * sin_s * (mid + c * cos_s * (2 * mid**2 - 1)))
+        before, lam = (
+            lam,
+            apart + (1 - c) * f * sin_a * (sigma + c * sin_s * (mid + c * cos_s * (2 * mid**2 - 1))),
+        )
         if abs(lam - before) < 1e-13:
             break
     u2 = cos2_a * (A**2 - B**2) / B**2
     big_a = 1 + u2 / 16384 * (4096 + u2 * (u2 * (320 - 175 * u2) - 768))
     big_b = u2 / 1024 * (256 + u2 * (u2 * (74 - 47 * u2) - 128))
-    correction = big_b * sin_s * (mid + big_b / 4 * (
-        cos_s * (2 * mid**2 - 1)
-        - big_b / 6 * mid * (4 * sin_s**2 - 3) * (4 * mid**2 - 3)))
+    correction = (
+        big_b
+        * sin_s
+        * (
+            mid
+            + big_b / 4 * (cos_s * (2 * mid**2 - 1) - big_b / 6 * mid * (4 * sin_s**2 - 3) * (4 * mid**2 - 3))
+        )
+    )
     return B * big_a * (sigma - correction)
 
 
@@ -42,11 +49,14 @@ def lengths(*pairs):
     return METRIC.length(METRIC.positions(points), u, u + 1)
 
 
-@pytest.mark.parametrize("p, q, metres", [
-    ((0, 0), (1, 0), 111319.490793),  # a degree of the equator: 2 pi a / 360
-    ((0, 0), (0, 1), 110574.388558),  # the first degree of a meridian
-    ((7, 89), (7, 90), 111693.864915),  # and the last
-])
+@pytest.mark.parametrize(
+    "p, q, metres",
+    [
+        ((0, 0), (1, 0), 111319.490793),  # a degree of the equator: 2 pi a / 360
+        ((0, 0), (0, 1), 110574.388558),  # the first degree of a meridian
+        ((7, 89), (7, 90), 111693.864915),  # and the last
+    ],
+)
 def test_degrees(p, q, metres):
     assert lengths((p, q)) == pytest.approx(metres, rel=1e-5)
     assert vincenty(p, q) == pytest.approx(metres, rel=1e-9), "the test's own formula"
@@ -80,8 +90,7 @@ def test_distinct_points_are_apart():
 @pytest.mark.parametrize("reach, slack", [(0.01, 1e-9), (4.0, 1e-5), (60.0, 2e-4)])
 def test_triangle_inequality(reach, slack):
     rng = np.random.default_rng(2)
-    a, b, c = np.clip(rng.uniform(-80, 80, (1000, 2)) + rng.uniform(-reach, reach, (3, 1000, 2)),
-                      -89, 89)
+    a, b, c = np.clip(rng.uniform(-80, 80, (1000, 2)) + rng.uniform(-reach, reach, (3, 1000, 2)), -89, 89)
     ab, bc, ac = (lengths(*zip(p, q)) for p, q in ((a, b), (b, c), (a, c)))
     assert (ac <= (ab + bc) * (1 + slack) + 1e-8).all()
 

@@ -27,12 +27,15 @@ def test_orientation_where_floats_fail():
     assert wrong > 20, "these points are no challenge"
 
 
-@pytest.mark.parametrize("points, turn", [
-    ((0, 0, 1, 0, 1, 1), 1),
-    ((0, 0, 1, 0, 1, -1), -1),
-    ((0, 0, 1, 0, 7, 0), 0),
-    ((1e16, 1e16, 1e16 + 2, 1e16 + 2, 1e16 + 4, 1e16 + 6), 1),
-])
+@pytest.mark.parametrize(
+    "points, turn",
+    [
+        ((0, 0, 1, 0, 1, 1), 1),
+        ((0, 0, 1, 0, 1, -1), -1),
+        ((0, 0, 1, 0, 7, 0), 0),
+        ((1e16, 1e16, 1e16 + 2, 1e16 + 2, 1e16 + 4, 1e16 + 6), 1),
+    ],
+)
 def test_orientation_by_hand(points, turn):
     assert orientation(*map(float, points)) == turn
 
@@ -42,9 +45,7 @@ def test_sort_ccw_is_angular_order(seed):
     rng = np.random.default_rng(seed)
     origin = tuple(rng.random(2))
     targets = [(x, y, k) for k, (x, y) in enumerate(rng.random((50, 2)).tolist())]
-    by_angle = sorted(
-        targets, key=lambda p: atan2(p[1] - origin[1], p[0] - origin[0]) % (2 * np.pi)
-    )
+    by_angle = sorted(targets, key=lambda p: atan2(p[1] - origin[1], p[0] - origin[0]) % (2 * np.pi))
     assert sort_ccw(origin, targets) == by_angle
 
 
@@ -93,11 +94,11 @@ def test_ccw_order_is_that_of_each_group_alone(seed):
     for g in range(60):
         own = np.flatnonzero(group == g)
         if g % 3 == 0:
-            k = rng.permutation(2 * len(own))[:len(own)] - len(own)
+            k = rng.permutation(2 * len(own))[: len(own)] - len(own)
             target[own] = 12.0 + np.column_stack((k, -k)) * 2.0**-49
             centre[g] = 0.5, 0.5
         elif g % 3 == 1 and len(own) <= len(steps):
-            target[own] = centre[g] + np.array(steps)[rng.permutation(len(steps))[:len(own)]] * 2.0**-g
+            target[own] = centre[g] + np.array(steps)[rng.permutation(len(steps))[: len(own)]] * 2.0**-g
         else:
             target[own] = rng.random((len(own), 2))
     order = ccw_order(group, centre[group], target)

@@ -83,11 +83,16 @@ class Case(NamedTuple):
 
     def dump(self):
         """All of it, with the geometries as text too, for JSON."""
-        return {**self._asdict(), "wkt": [None if g is None else _geometry(g).asWkt(17) for g, _ in self.features]}
+        return {
+            **self._asdict(),
+            "wkt": [None if g is None else _geometry(g).asWkt(17) for g, _ in self.features],
+        }
 
     @classmethod
     def load(cls, data):
-        return cls(**{name: data[name] for name in cls._fields})._replace(fields=list(map(tuple, data["fields"])))
+        return cls(**{name: data[name] for name in cls._fields})._replace(
+            fields=list(map(tuple, data["fields"]))
+        )
 
 
 # ---------------------------------------------------------------- strategies
@@ -182,15 +187,26 @@ SOME_MUTATIONS = _some(0.4, list(hostile.MUTATIONS), _rng)
 SOME_PLACES = ["as it is"] * 10 + list(hostile.PLACES)
 SOME_ORDINATES = [""] * 6 + ["Z", "M", "ZM"]
 KINDS = list(hostile.KINDS) * 2 + ["small_tour", "lattice_tour"] * 4 + ["null", "curve"]
-SMALL_KINDS = ["small_tour", "lattice_tour", "by_hand", "triangle_or_square", "star", "nested", "many",
-               "null", "lattice_mosaic"]
+SMALL_KINDS = [
+    "small_tour",
+    "lattice_tour",
+    "by_hand",
+    "triangle_or_square",
+    "star",
+    "nested",
+    "many",
+    "null",
+    "lattice_mosaic",
+]
 
 
 @st.composite
 def cases(draw, largest=80, sinks=("memory",) * 6 + ("gpkg", "shp", "geojson"), cancels=True):
     """A whole case."""
     rare = draw(st.integers(0, 99))
-    tool = draw(st.sampled_from(["partition"] * 7 + ["partitionbudget"] * 2 + ["tradeoff", "hierarchy", "hierarchy"]))
+    tool = draw(
+        st.sampled_from(["partition"] * 7 + ["partitionbudget"] * 2 + ["tradeoff", "hierarchy", "hierarchy"])
+    )
     parameters = draw(_parameters(tool))
     fields = draw(_fields()) if rare < 30 else [("name", "String")]
     dear = tool == "tradeoff" or parameters.get("OBJECTIVE", "MinSize") != "MinSize"
@@ -198,16 +214,17 @@ def cases(draw, largest=80, sinks=("memory",) * 6 + ("gpkg", "shp", "geojson"), 
     kinds = SMALL_KINDS if with_lines or (dear and draw(usually) < 7) else KINDS
     count = draw(st.integers(0 if rare == 99 else 1, largest // 3 if dear else largest))
     features = [
-        (draw(recipes(kinds)), [_value(kind, number + rare) for _, kind in fields])
-        for number in range(count)
+        (draw(recipes(kinds)), [_value(kind, number + rare) for _, kind in fields]) for number in range(count)
     ]
     source = draw(st.sampled_from(sinks))
     case = Case(
         tool=tool,
         parameters=parameters,
-        wkb_type=draw(st.sampled_from(
-            ["Polygon"] * 3 + ["MultiPolygon", "PolygonZ", "MultiPolygonZM", "CurvePolygon", "PolygonM"]
-        )),
+        wkb_type=draw(
+            st.sampled_from(
+                ["Polygon"] * 3 + ["MultiPolygon", "PolygonZ", "MultiPolygonZM", "CurvePolygon", "PolygonM"]
+            )
+        ),
         crs=draw(st.sampled_from(CRS)),
         fields=fields,
         features=features,
@@ -259,7 +276,11 @@ def _parameters(draw, tool):
     p["PLACES"] = draw(st.sampled_from(["Any"] * 3 + ["Natural"]))
     p["SMALLEST_PART"] = draw(st.sampled_from([0.0] * 5 + [1.0, 20.0, 100.0]))
     p["NEW_VERTICES"] = draw(st.sampled_from([False, False, True]))
-    p["OBJECTIVE"] = "MinSize" if tool == "hierarchy" else draw(st.sampled_from(["MinSize"] * 5 + ["MinLength", "MinWeight"]))
+    p["OBJECTIVE"] = (
+        "MinSize"
+        if tool == "hierarchy"
+        else draw(st.sampled_from(["MinSize"] * 5 + ["MinLength", "MinWeight"]))
+    )
     if p["OBJECTIVE"] == "MinWeight":
         p["WEIGHT"] = draw(st.sampled_from(list(WEIGHTS)))
         if draw(usually) == 0:
@@ -306,7 +327,7 @@ def _lines(case, seed):
                 if rng.random() < 0.1:
                     lines.append(points[::-1])
     lines = [_line_wkb(points).hex() for points in lines[:3000]]
-    lines[len(lines) // 2:0] = rng.choice(ODD_LINES, 2).tolist()
+    lines[len(lines) // 2 : 0] = rng.choice(ODD_LINES, 2).tolist()
     return lines
 
 
@@ -372,9 +393,7 @@ def as_file(layer, driver, folder):
     options.driverName = DRIVERS[driver]
     if driver == "geojson":
         options.layerOptions = ["COORDINATE_PRECISION=17"]
-    QgsVectorFileWriter.writeAsVectorFormatV3(
-        layer, path, QgsProject.instance().transformContext(), options
-    )
+    QgsVectorFileWriter.writeAsVectorFormatV3(layer, path, QgsProject.instance().transformContext(), options)
     result = QgsVectorLayer(path, "in", "ogr")
     return result if result.isValid() and result.geometryType() == POLYGONS else None
 
@@ -539,8 +558,11 @@ def run(case, **changed):
         if isinstance(layer, str):
             layer = QgsVectorLayer(layer, name, "ogr")
         layers[name] = layer
-    said = [f"{w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})" for w in caught
-            if issubclass(w.category, (RuntimeWarning, UserWarning))]
+    said = [
+        f"{w.category.__name__}: {w.message} ({Path(w.filename).name}:{w.lineno})"
+        for w in caught
+        if issubclass(w.category, (RuntimeWarning, UserWarning))
+    ]
     feedback.context = context  # owns the layers
     return Outcome(case, source, results, layers, feedback, error, list(_raised), said, folder)
 

@@ -45,8 +45,14 @@ def run(count, seed):
         begin = time.process_time()
         results = processing.run(
             "isthmus:partition",
-            {"INPUT": layer, "TAU": 4, "PLACES": "Any", "SMALLEST_PART": 0,
-             "OUTPUT": f"{folder}/out.gpkg", "CUTS": f"{folder}/cuts.gpkg"},
+            {
+                "INPUT": layer,
+                "TAU": 4,
+                "PLACES": "Any",
+                "SMALLEST_PART": 0,
+                "OUTPUT": f"{folder}/out.gpkg",
+                "CUTS": f"{folder}/cuts.gpkg",
+            },
             feedback=feedback,
         )
         seconds = time.process_time() - begin

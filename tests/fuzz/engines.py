@@ -41,12 +41,14 @@ def graph(rings):
     largest = np.abs(np.concatenate(rings)).max()
     if not 1e-50 < largest < 1e50:  # as the solver does
         rings = [np.ldexp(ring, -int(np.frexp(largest)[1])) for ring in rings]
-    rings = [ring if shapely.is_ccw(shapely.linearrings(ring)) == (k == 0) else ring[::-1]
-             for k, ring in enumerate(rings)]
+    rings = [
+        ring if shapely.is_ccw(shapely.linearrings(ring)) == (k == 0) else ring[::-1]
+        for k, ring in enumerate(rings)
+    ]
     xy, number = np.unique(np.concatenate(rings), axis=0, return_inverse=True)
     ends, start = [], 0
     for ring in rings:
-        vertex = number.ravel()[start:start + len(ring)]
+        vertex = number.ravel()[start : start + len(ring)]
         start += len(ring)
         ends.append(np.column_stack((vertex, np.roll(vertex, -1))))
     ends = np.concatenate(ends)
@@ -140,9 +142,7 @@ def work(first, last, paths):
                     continue  # these are known to crash
                 print(json.dumps([seed, engine, valid, "died"]), flush=True)
                 signal.alarm(SECONDS)
-                triangles = engines.triangulate(
-                    engine, xy, [0, len(xy)], segments, [0, len(segments)]
-                )[0]
+                triangles = engines.triangulate(engine, xy, [0, len(xy)], segments, [0, len(segments)])[0]
                 signal.alarm(0)
                 result = "no answer"
                 if len(triangles):
@@ -169,7 +169,7 @@ def main():
         process = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         lines = process.stdout.splitlines()
         ended = lines[-1:] == ["end"]
-        results = [json.loads(line) for line in lines[:len(lines) - ended]]
+        results = [json.loads(line) for line in lines[: len(lines) - ended]]
         for seed, engine, valid, result in results:
             if result != "died" or [seed, engine, valid, result] == results[-1]:
                 counts[engine, "valid" if valid else "invalid", result] += 1

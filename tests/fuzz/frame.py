@@ -91,7 +91,7 @@ def fewer(items, shows):
     while True:
         place, before = 0, len(items)
         while place < len(items):
-            rest = items[:place] + items[place + size:]
+            rest = items[:place] + items[place + size :]
             if shows(rest):
                 items = rest
             else:
@@ -105,7 +105,7 @@ def less(items, shows, depth):
     """Fewer items, and fewer items in each, so many levels deep."""
     items = fewer(items, shows)
     for k in range(len(items) if depth > 1 else 0):
-        items[k] = less(items[k], lambda one, k=k: shows([*items[:k], one, *items[k + 1:]]), depth - 1)
+        items[k] = less(items[k], lambda one, k=k: shows([*items[:k], one, *items[k + 1 :]]), depth - 1)
     return items
 
 
@@ -234,7 +234,9 @@ def main(fuzzer):
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tool", nargs="+", default=list(fuzzer.TOOLS), choices=list(fuzzer.TOOLS))
     parser.add_argument("--batch", type=int, default=0, help="the batch to begin with")
-    parser.add_argument("--crowd", type=int, default=0, help="only one case of so many polygons, for each tool")
+    parser.add_argument(
+        "--crowd", type=int, default=0, help="only one case of so many polygons, for each tool"
+    )
     parser.add_argument("--worker", nargs=2, type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args()
     if not (chosen.worker or chosen.case or chosen.crowd):

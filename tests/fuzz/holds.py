@@ -25,7 +25,11 @@ from isthmus.core import metric
 from qgis.core import NULL, QgsDistanceArea, QgsGeometry, QgsProcessingException, QgsWkbTypes
 
 CLOSE = 1e-9
-EXTRA = {"partition": 6, "partitionbudget": 7, "hierarchy": 7}  # fields of a part besides those of its feature
+EXTRA = {
+    "partition": 6,
+    "partitionbudget": 7,
+    "hierarchy": 7,
+}  # fields of a part besides those of its feature
 SOLVABLE_REASONS = (  # why a valid polygon may not be solved, and what must be so then
     ("tau must be a number", lambda case, polygon: isinstance(case.parameters.get("TAU"), dict)),
     ("the budget must be", lambda case, polygon: isinstance(case.parameters.get("BUDGET"), dict)),
@@ -87,7 +91,8 @@ def check_errors(case, outcome, counts):
     assert not outcome.warnings, outcome.warnings[:3]
     for error in outcome.raised:
         assert isinstance(error, QgsProcessingException), (
-            repr(error) + "\n" + "".join(traceback.format_tb(error.__traceback__)[-3:]))
+            repr(error) + "\n" + "".join(traceback.format_tb(error.__traceback__)[-3:])
+        )
     for text in [*outcome.feedback.warnings, *outcome.feedback.errors, outcome.error or "x"]:
         assert text.strip() and "Traceback" not in text and "object at 0x" not in text, text
     refused = refusal(case)
@@ -217,9 +222,15 @@ def too_fine(polygon):
     points = np.unique(xy, axis=0)
     size = np.abs(points).max()
     tree = shapely.STRtree(shapely.points(points))
-    lines = shapely.linestrings([(a, b) for ring in polygon for a, b in
-                                 zip(np.ldexp(ring[:, :2], _scale([xy])),
-                                     np.ldexp(np.roll(ring[:, :2], -1, axis=0), _scale([xy])))])
+    lines = shapely.linestrings(
+        [
+            (a, b)
+            for ring in polygon
+            for a, b in zip(
+                np.ldexp(ring[:, :2], _scale([xy])), np.ldexp(np.roll(ring[:, :2], -1, axis=0), _scale([xy]))
+            )
+        ]
+    )
     near, _ = tree.query(lines, predicate="dwithin", distance=1e-7 * size)
     return len(near) > 2 * len(lines) or np.abs(xy[xy != 0.0]).min(initial=1.0) < 1e-60
 
@@ -245,14 +256,16 @@ def check_cutting(case, outcome, rows, counts, rng):
     features = [Feature(row, outcome.source.crs()) for row in rows]
     counts["polygons"] += sum(len(f.polygons) for f in features)
     parts = [Part(f, EXTRA[case.tool]) for f in outcome.layers["OUTPUT"].getFeatures()]
-    lines = {name: _lines_by_source(outcome, name) if name in outcome.layers else None
-             for name in ("CUTS", "DIAGONALS")}
+    lines = {
+        name: _lines_by_source(outcome, name) if name in outcome.layers else None
+        for name in ("CUTS", "DIAGONALS")
+    }
     check_numbers(case, outcome, parts, lines)
     # GeoJSON may give two features the same id
     exact = case.sink in ("memory", "gpkg") and len({f.id for f in features}) == len(features)
     answer, place, solved_features = [], 0, 0
     for feature in features:
-        own = parts[place:place + parts[place].parts] if place < len(parts) else []
+        own = parts[place : place + parts[place].parts] if place < len(parts) else []
         assert own, f"feature {feature.id} was lost"
         assert [p.part for p in own] == list(range(1, len(own) + 1)), "rows of a feature"
         assert {p.parts for p in own} == {len(own)}
@@ -321,7 +334,7 @@ def check_numbers(case, outcome, parts, lines):
     assert same(results["LOWER_BOUND"], bound), "LOWER_BOUND"
     bad, start = 0, 0
     while start < len(parts):
-        own = parts[start:start + parts[start].parts]
+        own = parts[start : start + parts[start].parts]
         bad += any(p.status for p in own)
         start += len(own)
     assert results["SKIPPED_COUNT"] == bad, (results["SKIPPED_COUNT"], bad)
@@ -449,7 +462,9 @@ def with_points(polygons, points):
                 a = np.ldexp(ring[:, :2], power)
                 way, to = np.roll(a, -1, axis=0) - a, p - a
                 length = (way * way).sum(axis=1)
-                share = np.divide((way * to).sum(axis=1), length, out=np.full(len(a), -1.0), where=length > 0.0)
+                share = np.divide(
+                    (way * to).sum(axis=1), length, out=np.full(len(a), -1.0), where=length > 0.0
+                )
                 off = np.hypot(*(to - share[:, None] * way).T)
                 off[(share <= 0.0) | (share >= 1.0)] = np.inf
                 found += [(off[k], i, j, k, share[k]) for k in np.argsort(off)[:2].tolist()]
@@ -478,9 +493,11 @@ def check_passed_through(case, feature, own, counts):
     if not feature.geometry.isNull():
         before.append(bytes(linear(feature.geometry).asWkb()))
     if case.sink != "memory":
-        assert not all(np.isfinite(r[:, :2]).all() for p in feature.polygons for r in p) or sorted(map(_ring_bytes, polygons_of(part.geometry))) == sorted(
-            map(_ring_bytes, feature.polygons)), (
-                f"passed through, but changed: {part.geometry.asWkt()}")
+        assert not all(np.isfinite(r[:, :2]).all() for p in feature.polygons for r in p) or sorted(
+            map(_ring_bytes, polygons_of(part.geometry))
+        ) == sorted(map(_ring_bytes, feature.polygons)), (
+            f"passed through, but changed: {part.geometry.asWkt()}"
+        )
     else:
         assert data in before, "passed through, but changed"
     counts["polygons passed through"] += len(feature.polygons)
@@ -507,7 +524,8 @@ def check_reason(case, polygon, ok, reason):
     """A valid polygon is only left as it is where the case gives cause."""
     if ok:
         assert any(words in reason and cause(case, polygon) for words, cause in SOLVABLE_REASONS), (
-            f"a valid polygon was not solved: {reason}")
+            f"a valid polygon was not solved: {reason}"
+        )
 
 
 def check_rows(solved, parts, new):
@@ -640,8 +658,7 @@ def measured(case, feature):
     crs = feature.crs
     if not crs.isGeographic():
         return None
-    if any(np.nanmax(np.abs(ring[:, 1])) > 90.0 + 1e-9 for p in feature.polygons for ring in p
-           if len(ring)):
+    if any(np.nanmax(np.abs(ring[:, 1])) > 90.0 + 1e-9 for p in feature.polygons for ring in p if len(ring)):
         return None
     return measure_of(crs)
 
@@ -702,8 +719,7 @@ class Graph:
     def edges(self, lines):
         """(k, 2): the numbers of the ends of lines."""
         number = self.number
-        return np.array([(number[_plus(d.u)], number[_plus(d.v)]) for d in lines], dtype=int).reshape(
-            -1, 2)
+        return np.array([(number[_plus(d.u)], number[_plus(d.v)]) for d in lines], dtype=int).reshape(-1, 2)
 
     def dilations(self, cuts, edges):
         return checker.dilations(self.xy, self.rings, cuts, edges, self.length)
@@ -788,8 +804,9 @@ def weight_of(case, graph, edges, lines):
         return length
     weigh = WEIGHTS[case.parameters["WEIGHT"]]
     plane = np.hypot(*(graph.xy[edges[:, 0]] - graph.xy[edges[:, 1]]).T)
-    return np.array([weigh(a, d.detour, p) for a, d, p in zip(length.tolist(), lines, plane.tolist())],
-                    dtype=float)
+    return np.array(
+        [weigh(a, d.detour, p) for a, d, p in zip(length.tolist(), lines, plane.tolist())], dtype=float
+    )
 
 
 def feasible(graph, lines):
@@ -847,7 +864,7 @@ def check_hierarchy(case, outcome, rows, counts, rng):
         parts[source].append(Level(row.geometry(), part, parent, level, low, high, status))
     fields = outcome.layers["CUTS"].fields()
     for row in outcome.layers["CUTS"].getFeatures():
-        source, length, _, persistence, rank = row.attributes()[len(fields) - 5:]
+        source, length, _, persistence, rank = row.attributes()[len(fields) - 5 :]
         ends = [(p.x(), p.y()) for p in row.geometry().vertices()]
         cuts[source].append((rank, persistence, *map(_plus, ends)))
     assert outcome.results["PART_COUNT"] == sum(map(len, parts.values()))
@@ -998,8 +1015,7 @@ def check_steps(case, features, steps, low, counts):
         cost = subset @ weight_of(case, graph, edges, lines)
         slack = 1e-9 + 1e-14 * graph.perimeter / graph.distance[graph.distance > 0].min(initial=np.inf)
         for tau, _, _, told, _ in own:
-            most, least = (cost[dilation <= tau * (1 + s)].min(initial=np.inf)
-                           for s in (-slack, slack))
+            most, least = (cost[dilation <= tau * (1 + s)].min(initial=np.inf) for s in (-slack, slack))
             assert least * (1 - CLOSE) <= told <= most * (1 + CLOSE), (told, least, most)
             if tau > low * (1 + 1e-6) and case.parameters["OBJECTIVE"] == "MinSize":
                 better = dilation[cost <= told * (1 + CLOSE)].min()
@@ -1020,7 +1036,7 @@ def check_cancelled(case, outcome, features, counts):
         parts = [Part(f, EXTRA[case.tool]) for f in outcome.layers["OUTPUT"].getFeatures()]
         start = 0
         while start < len(parts):  # whole features or nothing
-            own = parts[start:start + parts[start].parts]
+            own = parts[start : start + parts[start].parts]
             assert len(own) == parts[start].parts, "half a feature"
             start += len(own)
         return
@@ -1039,7 +1055,7 @@ def check_twin(case, answer, features, counts, rng):
     lines = _lines_by_source(other, "CUTS")
     place = 0
     for k, feature in zip(order, other.source.getFeatures()):
-        own = parts[place:place + parts[place].parts]
+        own = parts[place : place + parts[place].parts]
         place += len(own)
         mine, again = answer[k], summary(own, lines[feature.id()])
         for a, b in zip(mine, again):
@@ -1063,7 +1079,8 @@ def retold(text, rng):
         return text
     polygons = hostile.read_wkb(bytes.fromhex(text))
     ordinates = ("Z" if QgsWkbTypes.hasZ(geometry.wkbType()) else "") + (
-        "M" if QgsWkbTypes.hasM(geometry.wkbType()) else "")
+        "M" if QgsWkbTypes.hasM(geometry.wkbType()) else ""
+    )
     if ordinates:
         return text
     polygons = [[_around(ring[:, :2], rng) for ring in polygon] for polygon in polygons]

@@ -80,9 +80,12 @@ def spiral(rng):
 def corridor(rng):
     """A random walk with a width."""
     path = np.cumsum(rng.integers(-4, 5, (int(rng.integers(2, 12)), 2)), axis=0).astype(float)
-    area = shapely.buffer(shapely.linestrings(path) if len(np.unique(path, axis=0)) > 1 else
-                          shapely.points(path[0]), float(10.0 ** rng.uniform(-3, 0)),
-                          quad_segs=1, cap_style="square")
+    area = shapely.buffer(
+        shapely.linestrings(path) if len(np.unique(path, axis=0)) > 1 else shapely.points(path[0]),
+        float(10.0 ** rng.uniform(-3, 0)),
+        quad_segs=1,
+        cap_style="square",
+    )
     return _polygons(area)
 
 
@@ -124,8 +127,14 @@ def nested(rng):
     return [rings]
 
 
-HAND = [shapes.SQUARE, shapes.TRIANGLE, shapes.DUMBBELL, shapes.ANNULUS, shapes.TWO_HOLES,
-        *shapes.TOUCHING.values()]
+HAND = [
+    shapes.SQUARE,
+    shapes.TRIANGLE,
+    shapes.DUMBBELL,
+    shapes.ANNULUS,
+    shapes.TWO_HOLES,
+    *shapes.TOUCHING.values(),
+]
 
 
 def by_hand(rng):
@@ -152,9 +161,7 @@ def many(rng):
 
 def nothing(rng):
     """Empty in some way."""
-    return [[], [[]], [[np.empty((0, 2))]], [[np.empty((0, 2)), np.empty((0, 2))]]][
-        int(rng.integers(4))
-    ]
+    return [[], [[]], [[np.empty((0, 2))]], [[np.empty((0, 2)), np.empty((0, 2))]]][int(rng.integers(4))]
 
 
 SINGLE = [

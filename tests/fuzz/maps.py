@@ -446,7 +446,7 @@ def smaller(case, shows):
 
             def closed(parts, k=k, geometry=geometry, values=values):
                 parts = [[ring + ring[:1] for ring in part] for part in parts]
-                return [*rows[:k], [{**geometry, "parts": parts}, values], *rows[k + 1:]]
+                return [*rows[:k], [{**geometry, "parts": parts}, values], *rows[k + 1 :]]
 
             parts = [[ring[:-1] for ring in part] for part in geometry["parts"]]
             if shows(make(closed(parts))):  # no ring was open

@@ -41,9 +41,7 @@ def is_tame(shapes):
     tree = shapely.STRtree(known)
     a, b = tree.query(known, predicate="intersects")
     twice = sum(known[i].intersection(known[j]).area for i, j in zip(a, b) if i < j)
-    return (
-        twice <= 1e-12 * sum(one.area for one in known) and min(one.area for one in known) > 1e-9 * size**2
-    )
+    return twice <= 1e-12 * sum(one.area for one in known) and min(one.area for one in known) > 1e-9 * size**2
 
 
 def shared_lengths(shapes):
@@ -187,9 +185,7 @@ def check_prepare(case, out):
         said = listed.pop(key, 0.0) / metre
         if abs(said - length) > 1e-4 * length:
             wrong.append(f"pieces {key} share {length}, listed {said}")
-    wrong += [
-        f"pieces {key} are no neighbours" for key, length in listed.items() if length > 1e-6 * longest
-    ]
+    wrong += [f"pieces {key} are no neighbours" for key, length in listed.items() if length > 1e-6 * longest]
     return wrong
 
 
@@ -429,9 +425,7 @@ def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
             wrong.append("there is no solution, and the tool says it has one")
         return wrong
     if results["TOO_SMALL_COUNT"]:
-        return [
-            f"there is a solution (cost {best}), and {results['TOO_SMALL_COUNT']} regions are too small"
-        ]
+        return [f"there is a solution (cost {best}), and {results['TOO_SMALL_COUNT']} regions are too small"]
     if p["METHOD"] == "exact" and not total <= best * (1 + 1e-5) + 1e-6 * scale:
         wrong.append(f"exact costs {total}, the brute force finds {best}")
     if big is None and not total >= best * (1 - 1e-5) - 1e-6 * scale:

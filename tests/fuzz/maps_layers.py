@@ -84,9 +84,7 @@ def of_shape(shape):
 
 def as_multi(geometry):
     return (
-        geometry
-        if geometry["type"].startswith("Multi")
-        else {**geometry, "type": "Multi" + geometry["type"]}
+        geometry if geometry["type"].startswith("Multi") else {**geometry, "type": "Multi" + geometry["type"]}
     )
 
 
@@ -114,8 +112,7 @@ def cells(rng, kind, nx, ny):
             a, b, c, d = (at[p] for p in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
             if kind == "triangles" or not shapely.Polygon([a, b, c, d]).is_valid:
                 reflex = (
-                    shapely.Polygon([a, b, c]).exterior.is_ccw
-                    and shapely.Polygon([a, c, d]).exterior.is_ccw
+                    shapely.Polygon([a, b, c]).exterior.is_ccw and shapely.Polygon([a, c, d]).exterior.is_ccw
                 )
                 faces += [[a, b, c], [a, c, d]] if reflex else [[a, b, d], [b, c, d]]
             else:
@@ -400,9 +397,7 @@ def area_layers(draw, largest=5, clean=None):
     kind = draw(st.sampled_from(("string", "string", "integer", "double")))
     name = draw(st.sampled_from(("code",) * 20 + ODD_NAMES))
     rng = Random(draw(seeds))
-    classes = (
-        [draw(st.sampled_from(("a", "b", "c"))), "b", "c", "d"] if clean else rng.sample(ODD_CLASSES, 4)
-    )
+    classes = [draw(st.sampled_from(("a", "b", "c"))), "b", "c", "d"] if clean else rng.sample(ODD_CLASSES, 4)
     classes = (
         classes if kind == "string" else [1, 2, 30, 311] if kind == "integer" else [1.0, 2.5, -3.0, 1e12]
     )

@@ -102,9 +102,7 @@ def model(name):
         model.provider = IsthmusProvider()  # Python must keep it alive
         QgsApplication.processingRegistry().addProvider(model.provider)
     made = QgsProcessingModelAlgorithm()
-    assert made.fromFile(
-        str(Path(__file__).resolve().parents[2] / "resources" / "models" / f"{name}.model3")
-    )
+    assert made.fromFile(str(Path(__file__).resolve().parents[2] / "resources" / "models" / f"{name}.model3"))
     return made
 
 

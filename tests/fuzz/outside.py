@@ -15,7 +15,9 @@ QGIS_PROCESS = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
 def prepare():
     """Let qgis_process, with the profile that `./run` made, know the plugin."""
     done = subprocess.run(
-        [QGIS_PROCESS, "plugins", "enable", "isthmus"], capture_output=True, text=True,
+        [QGIS_PROCESS, "plugins", "enable", "isthmus"],
+        capture_output=True,
+        text=True,
         stdin=subprocess.DEVNULL,
     )
     assert "nabled" in done.stdout, done.stdout + done.stderr
@@ -48,8 +50,13 @@ def run(case, folder, seconds=300):
             resource.setrlimit(resource.RLIMIT_FSIZE, (case.room, resource.RLIM_INFINITY))
 
     return subprocess.run(
-        command, capture_output=True, text=True, timeout=seconds, stdin=subprocess.DEVNULL,
-        env=os.environ, preexec_fn=small_files,
+        command,
+        capture_output=True,
+        text=True,
+        timeout=seconds,
+        stdin=subprocess.DEVNULL,
+        env=os.environ,
+        preexec_fn=small_files,
     )
 
 

@@ -49,18 +49,38 @@ def test_the_checks_notice(qgis_app):
     from maps_run import run
 
     areas = {
-        "type": "Polygon", "crs": "EPSG:25832", "fields": [["code", "string"], ["key", "integer"]],
-        "rows": [[geometry, ["ab"[k % 2], k]] for k, geometry in enumerate(
-            maps.layers.tessellation(3, "quads", 3, 2, 0.2, 0.0))],
+        "type": "Polygon",
+        "crs": "EPSG:25832",
+        "fields": [["code", "string"], ["key", "integer"]],
+        "rows": [
+            [geometry, ["ab"[k % 2], k]]
+            for k, geometry in enumerate(maps.layers.tessellation(3, "quads", 3, 2, 0.2, 0.0))
+        ],
     }
     parameters = {
-        "THRESHOLD": 2.5, "DISTANCE": "equal", "WEIGHT_CHANGE": 1.0, "WEIGHT_BOUNDARY": 1.0, "WEIGHT_CENTRE": 0.1,
-        "BOUNDARY": "regions", "METHOD": "exact", "SEED": 1, "ITERATIONS": 500, "SECONDS": 5.0, "REGIONS": 0,
+        "THRESHOLD": 2.5,
+        "DISTANCE": "equal",
+        "WEIGHT_CHANGE": 1.0,
+        "WEIGHT_BOUNDARY": 1.0,
+        "WEIGHT_CENTRE": 0.1,
+        "BOUNDARY": "regions",
+        "METHOD": "exact",
+        "SEED": 1,
+        "ITERATIONS": 500,
+        "SECONDS": 5.0,
+        "REGIONS": 0,
         "DECOMPOSE": False,
     }
     case = {
-        "tool": "aggregate", "layers": {"INPUT": areas}, "fields": {"CLASS": "code"}, "parameters": parameters,
-        "outputs": ["OUTPUT", "ASSIGNMENT"], "output": "memory", "thresholds": {}, "distance": "equal", "brute": True,
+        "tool": "aggregate",
+        "layers": {"INPUT": areas},
+        "fields": {"CLASS": "code"},
+        "parameters": parameters,
+        "outputs": ["OUTPUT", "ASSIGNMENT"],
+        "output": "memory",
+        "thresholds": {},
+        "distance": "equal",
+        "brute": True,
     }
 
     def found(change):

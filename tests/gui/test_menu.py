@@ -23,9 +23,12 @@ def test_menu_and_button_list_the_same(menu, iface, provider):
     assert button.menu() is menu.menu and not button.icon().isNull()
     assert iface.menu.actions()[0].menu() is menu.menu
     tools = [f"{tool.displayName()}…" for tool in provider.algorithms()]
-    assert texts(menu)[:len(tools)] == tools
-    assert texts(menu)[len(tools):] == [
-        "Try values of tau…", "Try it on an example", "Install packages…", "Help"
+    assert texts(menu)[: len(tools)] == tools
+    assert texts(menu)[len(tools) :] == [
+        "Try values of tau…",
+        "Try it on an example",
+        "Install packages…",
+        "Help",
     ]
 
 
@@ -69,7 +72,9 @@ def test_a_tool_opens_its_dialog(menu, monkeypatch):
         def show(self):
             opened.append("shown")
 
-    monkeypatch.setattr(processing, "createAlgorithmDialog", lambda name, given: opened.append(name) or Dialog())
+    monkeypatch.setattr(
+        processing, "createAlgorithmDialog", lambda name, given: opened.append(name) or Dialog()
+    )
     menu.menu.actions()[0].trigger()
     assert len(opened) == 2 and opened[0].startswith("isthmus:") and opened[1] == "shown"
 

@@ -49,7 +49,16 @@ def test_specifications_are_read_as_pip_reads_them():
     from packaging.specifiers import SpecifierSet
 
     versions = ["1.21", "1.23.5", "1.24", "1.24.2", "2.0", "2.0.1", "2.4.0", "3.13.1"]
-    for text in ("", ">=1.23.5,<2.5", "<2.8,>=2.0.0", "!=1.24.*,>=1.21", "~=1.23", "==2.0", ">1.24, <=2.0.1", "!=2.0.1"):
+    for text in (
+        "",
+        ">=1.23.5,<2.5",
+        "<2.8,>=2.0.0",
+        "!=1.24.*,>=1.21",
+        "~=1.23",
+        "==2.0",
+        ">1.24, <=2.0.1",
+        "!=2.0.1",
+    ):
         for version in versions:
             assert packages.accepts(text, version) == (version in SpecifierSet(text)), (text, version)
 
@@ -85,7 +94,7 @@ class Registry:
         data = self.files[url.rsplit("/", 1)[1]][0]
         if "Range" in (headers or {}):
             lo, hi = map(int, headers["Range"][6:].split("-"))
-            return data[lo:hi + 1]
+            return data[lo : hi + 1]
         return data
 
 
@@ -99,7 +108,15 @@ def place(tmp_path, monkeypatch):
 
 
 def test_the_newest_that_goes_with_this_numpy(place):
-    registry = Registry({"1.0": "numpy>=1.20", "1.9": "numpy (>=1.23)", "1.10": "numpy<2", "2.0": "numpy>=1.26", "2.1rc1": "numpy"})
+    registry = Registry(
+        {
+            "1.0": "numpy>=1.20",
+            "1.9": "numpy (>=1.23)",
+            "1.10": "numpy<2",
+            "2.0": "numpy>=1.26",
+            "2.1rc1": "numpy",
+        }
+    )
     assert packages.find("made", "1.24.2", registry.get).version == "1.10"
     assert packages.find("made", "2.1.0", registry.get).version == "2.0"
     # only a piece of each wheel was fetched
@@ -149,7 +166,9 @@ def test_hint_names_the_running_python(monkeypatch, tmp_path):
     assert dependencies.python_program(str(qgis), "/nowhere", "darwin") == str(tmp_path / "MacOS/bin/python3")
     (tmp_path / "apps").mkdir()
     (tmp_path / "apps" / "python3.exe").touch()
-    found = dependencies.python_program(str(tmp_path / "bin" / "qgis-bin.exe"), str(tmp_path / "apps"), "win32")
+    found = dependencies.python_program(
+        str(tmp_path / "bin" / "qgis-bin.exe"), str(tmp_path / "apps"), "win32"
+    )
     assert found == str(tmp_path / "apps" / "python3.exe")
 
 
@@ -157,7 +176,9 @@ def test_hint_where_there_is_no_pip(monkeypatch):
     import importlib.util
 
     real = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "pip" else real(name, *more))
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *more: None if name == "pip" else real(name, *more)
+    )
     monkeypatch.setattr(shutil, "which", lambda name: "/usr/bin/apt-get")
     assert "apt install python3-pip" in dependencies.install_hint("1.24.2")
     monkeypatch.setattr(shutil, "which", lambda name: None)
@@ -193,8 +214,12 @@ def online():
 
 def test_no_network_is_said_in_a_sentence(place, qgis_app):
     with pytest.raises(packages.PackageError, match="cannot be reached.*Nothing was changed.*network"):
-        packages.install(["shapely"], "1.24.2", print, get=lambda url, headers=None: packages.fetch(
-            url.replace("pypi.org", "nowhere.invalid"), headers))
+        packages.install(
+            ["shapely"],
+            "1.24.2",
+            print,
+            get=lambda url, headers=None: packages.fetch(url.replace("pypi.org", "nowhere.invalid"), headers),
+        )
     assert not place.exists()
 
 
@@ -262,7 +287,7 @@ def test_a_clean_profile_gets_its_packages_and_runs(tmp_path, online):
         QGIS_PROCESS, "run", "--json", "isthmus:partition", "--", f"INPUT={tmp_path / 'rooms.csv'}",
         "SMALLEST_PART=0", "PLACES=1", f"OUTPUT={tmp_path / 'parts.gpkg'}",
     )  # fmt: skip
-    assert json.loads(answer[answer.index("{"):])["results"]["PART_COUNT"] == 3
+    assert json.loads(answer[answer.index("{") :])["results"]["PART_COUNT"] == 3
 
 
 def test_the_dialog_installs_and_undoes(iface, wait, place, monkeypatch):

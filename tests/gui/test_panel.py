@@ -160,7 +160,12 @@ def test_number_of_parts(panel, wait):
 def test_selected_features_and_the_command(panel, wait, tmp_path):
     from qgis.core import QgsVectorFileWriter
 
-    layer = polygons([ROOMS, "POLYGON((100 0,110 0,110 4.5,112 4.5,112 0,122 0,122 10,112 10,112 5.5,110 5.5,110 10,100 10,100 0))"])
+    layer = polygons(
+        [
+            ROOMS,
+            "POLYGON((100 0,110 0,110 4.5,112 4.5,112 0,122 0,122 10,112 10,112 5.5,110 5.5,110 10,100 10,100 0))",
+        ]
+    )
     solve(panel, wait)
     both = panel.shown.cuts
     layer.selectByIds([1])
@@ -242,11 +247,15 @@ def test_the_map_may_have_another_crs(panel, iface, wait):
     box = panel.band.asGeometry().boundingBox()
     assert 0 < box.xMaximum() < 0.001
     iface.canvas.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
-    assert panel.band.asGeometry().boundingBox().xMaximum() == pytest.approx(box.xMaximum() * 111319.49, rel=1e-6)
+    assert panel.band.asGeometry().boundingBox().xMaximum() == pytest.approx(
+        box.xMaximum() * 111319.49, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
-def test_the_slider_moves_the_cuts_of_100000_vertices_within_100_ms(panel, iface, wait, places, smallest, capsys):
+def test_the_slider_moves_the_cuts_of_100000_vertices_within_100_ms(
+    panel, iface, wait, places, smallest, capsys
+):
     layer = polygons([rough(100_000)])
     iface.canvas.setDestinationCrs(layer.crs())
     iface.window.resize(1000, 800)

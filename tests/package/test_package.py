@@ -86,9 +86,7 @@ def test_nothing_gives_nothing(package):
 
 
 def test_z_and_m_stay(package):
-    text = "POLYGON {} ((" + ", ".join(
-        f"{x:g} {y:g}" + " {}" for x, y in ROOMS.exterior.coords
-    ) + "))"
+    text = "POLYGON {} ((" + ", ".join(f"{x:g} {y:g}" + " {}" for x, y in ROOMS.exterior.coords) + "))"
     kinds = {"": "", "Z": "7", "M": "8", "ZM": "7 8"}
     made = [shapely.from_wkt(text.format(kind, *[more] * 13)) for kind, more in kinds.items()]
     for given in ([one] for one in made):
@@ -99,7 +97,10 @@ def test_z_and_m_stay(package):
 def self_same(package, given):
     """The ordinates of each polygon are those of its parts and cuts."""
     found = package.partition(given, smallest_part=0)
-    for parts, source in ((found.parts, found.part_fields["source"]), (found.cuts, found.cut_fields["source"])):
+    for parts, source in (
+        (found.parts, found.part_fields["source"]),
+        (found.cuts, found.cut_fields["source"]),
+    ):
         assert len(parts) >= 2 * len(given)
         for one, k in zip(parts, source):
             assert (one.has_z, one.has_m) == (given[k].has_z, given[k].has_m)
@@ -178,8 +179,10 @@ def test_neighbours_get_the_new_vertices(package):
         assert found.neighbours["length"].tolist() == [1, 10, 10]
         for piece, kind in zip(found.pieces, (a, a, b)):
             assert (piece.has_z, getattr(piece, "has_m", False)) == ("Z" in kind, "M" in kind)
-            rows = shapely.get_coordinates(piece, include_z="Z" in kind, **({"include_m": True} if "M" in kind else {}))
-            assert [10, 0, 6, 2][:2 + len(kind)] in rows.tolist()
+            rows = shapely.get_coordinates(
+                piece, include_z="Z" in kind, **({"include_m": True} if "M" in kind else {})
+            )
+            assert [10, 0, 6, 2][: 2 + len(kind)] in rows.tolist()
     alone = package.prepare_aggregation([above, below])
     assert len(alone.pieces) == 2 and alone.pieces[1] == below
 
@@ -197,17 +200,24 @@ def test_defaults_and_names_are_those_of_the_tools(package):
     provider = IsthmusProvider()
     tools = {one.name(): one.create() for one in (provider.loadAlgorithms() or provider.algorithms())}
     functions = {
-        "partition": "partition", "partition_within": "partitionbudget", "tradeoff": "tradeoff",
-        "hierarchy": "hierarchy", "prepare_aggregation": "prepareaggregation", "aggregate": "aggregate",
+        "partition": "partition",
+        "partition_within": "partitionbudget",
+        "tradeoff": "tradeoff",
+        "hierarchy": "hierarchy",
+        "prepare_aggregation": "prepareaggregation",
+        "aggregate": "aggregate",
         "enlarge": "focusmap",
     }
     more = {"crs", "diagonals"}
     kinds = ("sink", "fileDestination")
     for function, tool in functions.items():
         given = inspect.signature(getattr(package, function)).parameters
-        options = {name.rstrip("_"): one.default for name, one in given.items() if one.kind == one.KEYWORD_ONLY}
+        options = {
+            name.rstrip("_"): one.default for name, one in given.items() if one.kind == one.KEYWORD_ONLY
+        }
         theirs = {
-            one.name().lower(): one.defaultValue() for one in tools[tool].parameterDefinitions()
+            one.name().lower(): one.defaultValue()
+            for one in tools[tool].parameterDefinitions()
             if one.type() not in kinds
         }
         theirs = {name: value for name, value in theirs.items() if name not in ("input", "focus")}
@@ -227,10 +237,28 @@ def test_geopandas_objects_come_back_as_they_came(package, quiet):
     assert type(found.parts) is type(found.cuts) is geopandas.GeoDataFrame
     assert found.parts.crs == found.cuts.crs == table.crs and found.parts.geometry.name == "shape"
     assert list(found.parts.columns) == [
-        "part", "tau", "shape", "part_2", "parts", "status", "cost", "gap", "source"
+        "part",
+        "tau",
+        "shape",
+        "part_2",
+        "parts",
+        "status",
+        "cost",
+        "gap",
+        "source",
     ]
     assert list(found.parts.index) == list("uuuvwxyyz") == list(found.parts["source"])
-    assert list(found.parts["part"]) == list("aaabcdeef") and list(found.parts["part_2"]) == [1, 2, 3, 1, 1, 1, 1, 2, 1]
+    assert list(found.parts["part"]) == list("aaabcdeef") and list(found.parts["part_2"]) == [
+        1,
+        2,
+        3,
+        1,
+        1,
+        1,
+        1,
+        2,
+        1,
+    ]
     assert list(found.cuts.columns) == ["source", "length", "detour", "part_a", "part_b", "share", "geometry"]
     series = package.partition(table.geometry, smallest_part=0)
     assert type(series.parts) is type(series.cuts) is geopandas.GeoSeries
@@ -249,8 +277,15 @@ def test_geopandas_objects_come_back_as_they_came(package, quiet):
 def test_a_map_in_geopandas(package, quiet):
     geopandas = pytest.importorskip("geopandas", reason="geopandas is not installed for this Python")
     land = geopandas.GeoDataFrame(
-        {"class": ["wood", "road", None, "road"]}, index=[7, 8, 9, 10], crs=3035,
-        geometry=[shapely.box(0, 0, 800, 600), shapely.box(800, 0, 900, 600), shapely.box(900, 0, 1800, 600), None],
+        {"class": ["wood", "road", None, "road"]},
+        index=[7, 8, 9, 10],
+        crs=3035,
+        geometry=[
+            shapely.box(0, 0, 800, 600),
+            shapely.box(800, 0, 900, 600),
+            shapely.box(900, 0, 1800, 600),
+            None,
+        ],
     )
     pieces = package.prepare_aggregation(land, class_="class").pieces
     assert list(pieces["area_id"]) == [7, 8, 9, 10] and list(pieces["size"]) == [480000, 60000, 540000, 0]
@@ -276,7 +311,9 @@ def test_installs_and_runs_without_qgis(tmp_path):
     # without it pip would have to fetch it; it cannot be imported where QGIS has imported distutils before
     if not importlib.util.find_spec("setuptools"):
         pytest.skip("setuptools is not installed")
-    if int(importlib.metadata.version("setuptools").split(".")[0]) < 71 and not importlib.util.find_spec("wheel"):
+    if int(importlib.metadata.version("setuptools").split(".")[0]) < 71 and not importlib.util.find_spec(
+        "wheel"
+    ):
         pytest.skip("setuptools is old, and needs wheel")
     source = tmp_path / "source"
     source.mkdir()
@@ -294,7 +331,10 @@ def test_installs_and_runs_without_qgis(tmp_path):
         "print(seconds, len(found.parts.geoms), *(m in sys.modules for m in ('qgis', 'geopandas', 'scipy')))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
         env={"PYTHONPATH": f"{tmp_path / 'site'}:{Path(shapely.__file__).parents[1]}", "PATH": "/usr/bin"},
     )
     assert done.returncode == 0, done.stderr

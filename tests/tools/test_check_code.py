@@ -75,7 +75,10 @@ def test_missing_types(check_code, fault):
 
 def test_where_types_are_asked_for(check_code, tmp_path):
     asked = [
-        "core/aggregation/greedy.py", "core/focus/graph.py", "core/partition/parts.py", "core/rings.py",
+        "core/aggregation/greedy.py",
+        "core/focus/graph.py",
+        "core/partition/parts.py",
+        "core/rings.py",
         "python/_focus.py",
     ]
     for name in (*asked, "algorithms/layers.py", "tools/demo.py"):
@@ -95,6 +98,7 @@ FAULTS = {
     "a name that is not there": (planted("return 2 * k", "return 2 * K"), "F821"),
     "an import that is not used": (planted("import numpy", "import json\n\nimport numpy"), "F401"),
     "imports in disorder": (planted("from typing", "import numpy as np\nfrom typing"), "I001"),
+    "another format": (planted("return 2 * k", "return 2*k"), "walk.py"),
     "a long line": (planted("A module.", "A module" + " of words" * 12), "E501"),
     "a mutable default": (planted("twice: bool = False", "twice: list = []"), "B006"),
     "a wrong result": (planted("return Walk(self.place[::-1])", "return 1"), "[return-value]"),
@@ -115,4 +119,4 @@ def test_planted_faults(tmp_path, fault):
     command = [sys.executable, ROOT / "tools" / "check_code.py", tmp_path, "--programs", SCANNERS]
     done = subprocess.run(command, capture_output=True, encoding="utf-8")
     assert done.returncode == (fault is not None), done.stdout + done.stderr
-    assert words in done.stdout and (fault or done.stdout.count(": ok") == 3)
+    assert words in done.stdout and (fault or done.stdout.count(": ok") == 4)

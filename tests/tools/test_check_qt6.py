@@ -54,7 +54,8 @@ PLANTED = {
 FINE = [
     CORE + "x = QgsWkbTypes.Type.Polygon, Qgis.QGIS_VERSION_INT, QgsWkbTypes.hasZ(3)",
     QT + "x = Qt.Orientation.Horizontal, QVariant",
-    CORE + "class A(QgsProcessingAlgorithm):\n INPUT = 'INPUT'\n def f(self):\n  return self.INPUT, self.name()",
+    CORE
+    + "class A(QgsProcessingAlgorithm):\n INPUT = 'INPUT'\n def f(self):\n  return self.INPUT, self.name()",
     "import shapely\nx = shapely.Polygon",
     "class A:\n Polygon = 1\n def f(self):\n  return self.Polygon",
     CORE + "w = QgsWkbTypes.Type\nx = w.Polygon",

@@ -28,9 +28,17 @@ def general(text):
 
 def test_metadata_has_the_owners_words_and_the_changes(release):
     text = (ROOT / "metadata.txt").read_text(encoding="utf-8")
-    owner = "[owner]\nauthor=Ada\nemail=ada@lovelace.org\nhomepage=https://lovelace.org/isthmus/100%25/start\n"
+    owner = (
+        "[owner]\nauthor=Ada\nemail=ada@lovelace.org\nhomepage=https://lovelace.org/isthmus/100%25/start\n"
+    )
     version = re.search("version=(.*)", text)[1]
-    found = general(release.metadata(text, owner.replace("%25", ""), f"# Changes\n\n## {version}\n\n* `TAU` by 3 %.\n\n## 0.0.1\n\n* Old.\n"))
+    found = general(
+        release.metadata(
+            text,
+            owner.replace("%25", ""),
+            f"# Changes\n\n## {version}\n\n* `TAU` by 3 %.\n\n## 0.0.1\n\n* Old.\n",
+        )
+    )
     assert found["author"] == "Ada" and found["email"] == "ada@lovelace.org"
     assert found["name"] == "Isthmus" and found["version"] == version
     assert f"Version {version}" in found["changelog"] and "TAU by 3 per cent" in found["changelog"]
@@ -48,7 +56,9 @@ def test_pages_of_the_reference_become_html(release):
             assert page.count(f"<{tag}>") == page.count(f"</{tag}>")
         for target in re.findall(r'href="(\w+)\.html"', page):
             assert (ROOT / "docs" / "reference" / f"{target}.md").exists()
-    page = release.html_page("# A & B\n\nOne *two* `a*b*c` [x](y.md).\n\n| a | b |\n|---|---|\n| `1` | <2 |\n")
+    page = release.html_page(
+        "# A & B\n\nOne *two* `a*b*c` [x](y.md).\n\n| a | b |\n|---|---|\n| `1` | <2 |\n"
+    )
     assert "<h1>A &amp; B</h1>" in page and "<code>a*b*c</code>" in page and '<a href="y.html">x</a>' in page
     assert "<td><code>1</code></td><td>&lt;2</td>" in page
 
@@ -75,7 +85,12 @@ def test_translations_are_what_qt_reads(translate, tmp_path, qgis_app):
 
 def test_faults_of_a_translation_are_found(translate):
     wanted = {"Find {name}", "a <i>b</i>", "MIN_LENGTH and tau", "x"}
-    good = {"Find {name}": "Finde {name}", "a <i>b</i>": "ein <i>b</i>", "MIN_LENGTH and tau": "MIN_LENGTH und tau", "x": "y"}
+    good = {
+        "Find {name}": "Finde {name}",
+        "a <i>b</i>": "ein <i>b</i>",
+        "MIN_LENGTH and tau": "MIN_LENGTH und tau",
+        "x": "y",
+    }
     assert translate.faults(wanted, good) == []
     for change, said in (
         ({"x": ""}, "not translated: x"), ({"z": "z"}, "said nowhere: z"), ({"Find {name}": "Finde {nam}"}, "other fields"),
@@ -89,7 +104,9 @@ def test_a_long_command_shows_that_it_lives(tmp_path):
     import subprocess
 
     functions = (ROOT / "run").read_text(encoding="utf-8").partition("\ncase ${1-} in")[0]
-    script = functions + """
+    script = (
+        functions
+        + """
 work() {
     echo "0 upgraded, 3 newly installed, 0 to remove."; echo "Get:1 a"; sleep 1.5; echo "Get:2 b"
     echo "Unpacking a ..."; sleep 1.5; echo "Setting up a ..."; sleep 1.5
@@ -99,9 +116,13 @@ ISTHMUS_TICK=1
 broken() { return 3; }
 watched "$1" QGIS broken || echo failed $?
 """
+    )
     (tmp_path / "run").write_text(script)
     done = subprocess.run(
-        ["bash", str(tmp_path / "run"), str(tmp_path / "log")], capture_output=True, encoding="utf-8", check=True
+        ["bash", str(tmp_path / "run"), str(tmp_path / "log")],
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
     )
     assert done.stdout.split() == ["done", "failed", "3"]
     for said in ("1 of 3 packages fetched", "1 of 3 packages unpacked", "1 of 3 packages set up"):

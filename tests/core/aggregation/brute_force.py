@@ -24,7 +24,7 @@ def is_connected(problem, areas):
     reached, stack = {min(areas)}, [min(areas)]
     while stack:
         v = stack.pop()
-        for u in problem.neighbour[problem.start[v]:problem.start[v + 1]].tolist():
+        for u in problem.neighbour[problem.start[v] : problem.start[v + 1]].tolist():
             if u in areas and u not in reached:
                 reached.add(u)
                 stack.append(u)

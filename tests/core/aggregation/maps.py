@@ -7,10 +7,12 @@ from isthmus.core.aggregation.instance import build
 def grid(rows, columns):
     """Pairs of neighbours in a grid."""
     number = np.arange(rows * columns).reshape(rows, columns)
-    return np.concatenate((
-        np.column_stack((number[:, :-1].ravel(), number[:, 1:].ravel())),
-        np.column_stack((number[:-1].ravel(), number[1:].ravel())),
-    ))
+    return np.concatenate(
+        (
+            np.column_stack((number[:, :-1].ravel(), number[:, 1:].ravel())),
+            np.column_stack((number[:-1].ravel(), number[1:].ravel())),
+        )
+    )
 
 
 def random_map(seed, n=None, by_class=False, boundary=1.0, centre=0.05, classes=3):
@@ -27,7 +29,16 @@ def random_map(seed, n=None, by_class=False, boundary=1.0, centre=0.05, classes=
     theta = rng.choice([5.0, 12.0, 20.0, np.inf], classes, p=[0.3, 0.3, 0.3, 0.1])
     place = np.arange(n) % columns + 1j * (np.arange(n) // columns) + rng.random(n) * 0.3
     found = build(
-        size, rng.integers(classes, size=n), place * 5.0, pairs, rng.random(len(pairs)) * 4 + 1,
-        distance, theta, 1.0, boundary, centre, by_class,
+        size,
+        rng.integers(classes, size=n),
+        place * 5.0,
+        pairs,
+        rng.random(len(pairs)) * 4 + 1,
+        distance,
+        theta,
+        1.0,
+        boundary,
+        centre,
+        by_class,
     )
     return found._replace(spread=rng.random(n) * 9.0)

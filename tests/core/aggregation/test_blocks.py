@@ -58,7 +58,8 @@ def test_the_best_choice_of_all(seed, by_class):
     assert sorted(set(found.region.tolist())) == list(range(len(found.core)))
     block = block_of_areas(one, other)
     differ = [
-        b for b in range(block.max() + 1)
+        b
+        for b in range(block.max() + 1)
         if (one.core[one.region] != other.core[other.region])[block == b].any()
     ]
     if len(differ) > 10:
@@ -81,9 +82,7 @@ def test_a_wanted_number_of_regions_stays(seed):
     assert costs(problem, found).total <= costs(problem, one).total + 1e-9
     block = block_of_areas(one, other)
     mine = np.bincount(block[one.core]) == np.bincount(block[other.core])
-    alone = [
-        costs(problem, mixed(one, other, block == b)).total for b in np.flatnonzero(mine).tolist()
-    ]
+    alone = [costs(problem, mixed(one, other, block == b)).total for b in np.flatnonzero(mine).tolist()]
     assert costs(problem, found).total <= min(alone, default=np.inf) + 1e-9
 
 

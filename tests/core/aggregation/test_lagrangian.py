@@ -119,9 +119,7 @@ def test_a_middle_sized_map_has_a_bound_that_means_something():
 def test_it_stops_in_time():
     problem = random_map(4, n=120)._replace(theta=np.full(3, 40.0))
     begun = perf_counter()
-    part = module._Part(
-        problem, np.arange(120), np.zeros(120, dtype=bool), greedy(problem), TOOLS
-    )
+    part = module._Part(problem, np.arange(120), np.zeros(120, dtype=bool), greedy(problem), TOOLS)
     found = lagrangian(part, begun + 0.5, lambda share: None)
     assert perf_counter() - begun < 5.0
     assert not found.far.any()

@@ -7,10 +7,24 @@ from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, anneali
 from isthmus.core.aggregation.exact import exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
 from isthmus.core.aggregation.instance import (
-    Solution, build, cheapest_core, costs, enough, problems, shares, solution,
+    Solution,
+    build,
+    cheapest_core,
+    costs,
+    enough,
+    problems,
+    shares,
+    solution,
 )
 from isthmus.core.aggregation.moves import (
-    Terms, every_move, gather, group_price, merge, move_core, prices, split,
+    Terms,
+    every_move,
+    gather,
+    group_price,
+    merge,
+    move_core,
+    prices,
+    split,
 )
 from isthmus.core.aggregation.regions import Regions
 from isthmus.core.aggregation.repair import FREE
@@ -125,9 +139,7 @@ def test_prices_of_groups_are_the_differences_of_costs(by_class):
     before, tried = costs(problem, begin).total, 0
     for v, to in zip(*(a.tolist() for a in every_move(regions))):
         r = regions.labels[v]
-        group = {
-            u for u in (v, *regions.adjacent[v]) if regions.labels[u] == r and u != regions.core[r]
-        }
+        group = {u for u in (v, *regions.adjacent[v]) if regions.labels[u] == r and u != regions.core[r]}
         if v not in group or len(group) < 2:
             continue
         tried += 1
@@ -275,7 +287,7 @@ def test_the_cheapest_core_is_that_of_all(seed):
     """Most cores are not tried, because of a bound."""
     rng = np.random.default_rng(seed)
     problem = random_map(seed, n=90, centre=float(rng.choice([0.0, 0.05, 1.0])))
-    members = rng.permutation(90)[:int(rng.integers(40, 90))]
+    members = rng.permutation(90)[: int(rng.integers(40, 90))]
     extra = rng.random(len(members)) * 20.0
     extra[rng.random(len(members)) < 0.2] = np.inf
     best, cost = cheapest_core(problem, members, extra)

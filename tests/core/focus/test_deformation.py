@@ -57,9 +57,7 @@ def test_it_is_the_least_distortion():
     xy, triangles, edges, fixed = frame(4)
     group = np.where(np.hypot(*(xy - 0.45).T) < 0.18, 0, -1)
     origin = xy[group == 0].mean(axis=0)[None]
-    shift, _ = deformation.relax(
-        xy, triangles, edges, group, origin, 1.3, fixed, nothing, guard=1e-12
-    )
+    shift, _ = deformation.relax(xy, triangles, edges, group, origin, 1.3, fixed, nothing, guard=1e-12)
 
     def distortion_of(after):
         """Of Haunert and Sering, by its definition, with the best s."""
@@ -116,7 +114,9 @@ def test_node_takes_what_is_nearly_there():
 
 
 def test_a_line_of_one_point_has_no_edge():
-    found = graph.build_graph(np.array([(5.0, 5.0), (0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]), np.array([0, 1, 3, 4]))
+    found = graph.build_graph(
+        np.array([(5.0, 5.0), (0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]), np.array([0, 1, 3, 4])
+    )
     assert found.xy[found.edges].tolist() == [[[0.0, 0.0], [1.0, 0.0]]]
 
 
@@ -147,8 +147,9 @@ def test_frame_triangles(engine, seed, monkeypatch):
         monkeypatch.setitem(sys.modules, other, None)
     rng = np.random.default_rng(seed)
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    edges = np.concatenate((
-        graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)]))
+    edges = np.concatenate(
+        (graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)])
+    )
     noded = mesh.node(np.concatenate((corners, rng.uniform(0.1, 0.9, (40, 2)))), edges, nothing)
     triangles = mesh.frame_triangles(noded.xy, noded.edges)
     assert len(triangles) == 2 * len(noded.xy) - 2 - 4 and (mesh.heights(noded.xy, triangles) > 0.0).all()
@@ -196,7 +197,8 @@ def test_a_line_across_a_square_leaves_no_choice():
     squares = {frozenset((k, k + 1, k + 3, k + 4)) for k in (0, 1, 3, 4)}
     found = mesh.others(xy, triangles, line)
     assert len(found) == 12 and all(
-        sum(set(one) < square for square in squares) == 1 for one in found.tolist())
+        sum(set(one) < square for square in squares) == 1 for one in found.tolist()
+    )
     assert not any(set(one) < {0, 1, 3, 4} for one in found.tolist())
     assert len(mesh.others(xy + np.arange(18).reshape(9, 2) ** 2 * 1e-6, triangles, line)) == 0
 
@@ -208,8 +210,9 @@ def test_stiff_triangles_bend_less():
     right = xy[triangles].mean(axis=1)[:, 0] > 0.6
     bent = []
     for side in (right, ~right):
-        shift, _ = deformation.relax(xy, triangles, edges[:0], group, origin, 1.8, fixed, nothing,
-                                     stiff=np.where(side, 100.0, 1.0))
+        shift, _ = deformation.relax(
+            xy, triangles, edges[:0], group, origin, 1.8, fixed, nothing, stiff=np.where(side, 100.0, 1.0)
+        )
         bent.append(measures.distortion(xy, xy + shift, triangles[right]).median)
     assert bent[0] < 0.5 * bent[1]
 
@@ -220,8 +223,12 @@ def coarse_of(seed, n=800):
     triangles = mesh.frame_triangles(xy, np.empty((0, 2), dtype=int))
     ring = np.argsort(np.arctan2(*(xy[:n] - 0.5).T))[: n // 2]
     edges = graph.unique_pairs(np.column_stack((ring[:-1], ring[1:])), len(xy))
-    edges = edges[np.isin(edges @ (len(xy), 1), graph.unique_pairs(
-        triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy)) @ (len(xy), 1))]
+    edges = edges[
+        np.isin(
+            edges @ (len(xy), 1),
+            graph.unique_pairs(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy)) @ (len(xy), 1),
+        )
+    ]
     removable = np.arange(len(xy)) < n
     found = hierarchy.coarsen(xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, nothing)
     return xy, triangles, found
@@ -272,9 +279,13 @@ def test_what_is_known_stays_when_it_is_put_back():
 def test_what_is_put_back_is_carried_by_an_affine_map():
     xy, triangles, found = coarse_of(1)
     shift = xy @ np.array([(0.5, 0.2), (-0.1, 0.3)])
-    known = hierarchy.reinsert(found, xy, np.where(
-        np.isin(np.arange(len(xy)), found.triangles)[:, None], shift, 0.0),
-        np.zeros(len(xy), bool), nothing)
+    known = hierarchy.reinsert(
+        found,
+        xy,
+        np.where(np.isin(np.arange(len(xy)), found.triangles)[:, None], shift, 0.0),
+        np.zeros(len(xy), bool),
+        nothing,
+    )
     assert np.allclose(known, shift, atol=1e-12)
 
 
@@ -313,8 +324,9 @@ def test_greedy_is_greedy(seed):
 
 def test_proximity():
     """A comb: the teeth are near, and far along the outline."""
-    teeth = [(x, y) for k in range(5) for x, y in ((2 * k, 9.0), (2 * k, 0.5), (2 * k + 1, 0.5),
-                                                    (2 * k + 1, 9.0))]
+    teeth = [
+        (x, y) for k in range(5) for x, y in ((2 * k, 9.0), (2 * k, 0.5), (2 * k + 1, 0.5), (2 * k + 1, 9.0))
+    ]
     ring = np.array([(-1.0, 9.0), (-1.0, 0.0), (10.0, 0.0), (10.0, 9.0)] + teeth[::-1])
     assert shapely.Polygon(ring).is_valid
     offsets = np.array([0, len(ring)])
@@ -343,13 +355,20 @@ def test_joins_are_needed_and_enough(tau):
     shores = [np.column_stack((x + rng.uniform(-0.2, 0.2, 15), np.arange(15))) for x in (0.0, 1.5, 4.0)]
     xy = np.unique(np.concatenate(shores), axis=0)
     shore = np.digitize(xy[:, 0], (0.75, 2.75))
-    edges = np.concatenate([np.column_stack((v[:-1], v[1:])) for v in (
-        np.flatnonzero(shore == k)[np.argsort(xy[shore == k, 1])] for k in range(3))])
+    edges = np.concatenate(
+        [
+            np.column_stack((v[:-1], v[1:]))
+            for v in (np.flatnonzero(shore == k)[np.argsort(xy[shore == k, 1])] for k in range(3))
+        ]
+    )
     found = graph.joins(xy, np.sort(edges, axis=1), tau)
     length = np.hypot(*(xy[found[:, 0]] - xy[found[:, 1]]).T)
     lines = shapely.get_parts(shapely.delaunay_triangles(shapely.multipoints(xy), only_edges=True))
     place = {tuple(p): k for k, p in enumerate(xy.tolist())}
-    across = [(place[tuple(a)], place[tuple(b)]) for a, b in (shapely.get_coordinates(one).tolist() for one in lines)]
+    across = [
+        (place[tuple(a)], place[tuple(b)])
+        for a, b in (shapely.get_coordinates(one).tolist() for one in lines)
+    ]
     chosen = {frozenset(one) for one in found.tolist()}
     for u, v in across:
         if shore[u] == shore[v]:
@@ -358,7 +377,9 @@ def test_joins_are_needed_and_enough(tau):
         alike = (length < own) & (np.sort(shore[found], axis=1) == sorted((shore[u], shore[v]))).all(axis=1)
         ends = np.where(shore[found[alike]] == shore[u], 0, 1)
         way = length[alike] + sum(
-            np.hypot(*(xy[found[alike]] - xy[np.where(ends == 0, u, v)]).transpose(2, 0, 1))[:, k] for k in (0, 1))
+            np.hypot(*(xy[found[alike]] - xy[np.where(ends == 0, u, v)]).transpose(2, 0, 1))[:, k]
+            for k in (0, 1)
+        )
         assert (frozenset((u, v)) in chosen) == bool((way > tau * own).all())
 
 
@@ -412,6 +433,7 @@ def test_the_smallest_part_is_a_share_of_the_land_without_its_holes():
 def test_a_rule_knows_the_smallest_part():
     shape = tour(2, 80)
     found = [
-        len(selection.rule_of("MinSize", smallest=share)(shape.coords, shape.offsets, 2.0, nothing)) for share in (0.0, 0.9)
+        len(selection.rule_of("MinSize", smallest=share)(shape.coords, shape.offsets, 2.0, nothing))
+        for share in (0.0, 0.9)
     ]
     assert found[0] > 3 and found[1] == 0

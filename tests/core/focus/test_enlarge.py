@@ -97,9 +97,9 @@ def test_islands_move_with_their_mainland():
     result = enlarge(rows, starts, polygons, focus, 1.4)
     check(rows, starts, polygons, focus, 1.4, result)
     assert (result.kind == "join").any()
-    land = shapely.Polygon(result.rows[starts[0]:starts[1]])
+    land = shapely.Polygon(result.rows[starts[0] : starts[1]])
     for k in range(1, 13):
-        island = shapely.Polygon(result.rows[starts[k]:starts[k + 1]])
+        island = shapely.Polygon(result.rows[starts[k] : starts[k + 1]])
         assert 0.1 < land.distance(island) < 2.0
 
 
@@ -119,8 +119,9 @@ def test_lines_that_share_vertices_stay_joined():
 
 def test_given_edges_are_used():
     rows, starts, polygons = rings_of(circle(40, 5.0))
-    result = enlarge(rows, starts, polygons, shapely.box(2, -2, 6, 2), 1.5,
-                     edges=np.array([(5, 20), (20, 5), (30, 12)]))
+    result = enlarge(
+        rows, starts, polygons, shapely.box(2, -2, 6, 2), 1.5, edges=np.array([(5, 20), (20, 5), (30, 12)])
+    )
     assert set(result.kind) == {"given"} and len(result.edges) == 2
 
 
@@ -128,9 +129,7 @@ def test_a_focus_between_the_vertices_pushes_the_rest_away():
     rows, starts, polygons = rings_of(circle(80, 10.0))
     focus = shapely.Point(3.0, 0.0).buffer(2.0)
     edges, shares = np.array([(0, 40), (20, 60)]), []
-    result = enlarge(
-        rows, starts, polygons, focus, 2.0, edges=edges, progress=shares.append
-    )
+    result = enlarge(rows, starts, polygons, focus, 2.0, edges=edges, progress=shares.append)
     assert shares == sorted(shares)
     given = {frozenset(map(tuple, rows[pair])) for pair in edges}
     used = result.points[result.edges[result.kind == "given"]]
@@ -166,7 +165,9 @@ def test_the_frame_grows_with_the_modulus_of_the_ring():
         check(rows, starts, polygons, focus, scale, one, frame=False)
     assert made[0].distortion.median == pytest.approx(made[1].distortion.median, abs=0.3)
     assert enlarge(rows, starts, polygons, focus, 2.0, growth=0.2).growth == pytest.approx(1.2)
-    assert enlarge(rows, starts, polygons, shapely.box(-0.2, -0.2, 0.2, 0.2), 2.0, growth=9.0).growth.tolist() == [1, 1]
+    assert enlarge(
+        rows, starts, polygons, shapely.box(-0.2, -0.2, 0.2, 0.2), 2.0, growth=9.0
+    ).growth.tolist() == [1, 1]
 
 
 def test_regions_above_each_other_count_once():
@@ -183,8 +184,15 @@ def test_regions_above_each_other_count_once():
 def test_half_of_a_map_and_five_times():
     rows, starts, polygons = rings_of(circle(200, 10.0))
     for focus, scale in ((shapely.box(-11, -11, 11, 0), 2.0), (shapely.box(-3, -3, 3, 3), 5.0)):
-        check(rows, starts, polygons, focus, scale, enlarge(
-            rows, starts, polygons, focus, scale, growth=2.0), frame=False)
+        check(
+            rows,
+            starts,
+            polygons,
+            focus,
+            scale,
+            enlarge(rows, starts, polygons, focus, scale, growth=2.0),
+            frame=False,
+        )
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -238,16 +246,22 @@ def test_two_regions():
 
 def test_too_large_a_scale_gives_a_reason():
     """Two regions that fit each, but not both."""
-    corners = [(-10, -5), (-1, -5), (0, -20), (1, -5), (10, -5), (10, 5), (1, 5), (0, 20), (-1, 5),
-               (-10, 5)]
+    corners = [(-10, -5), (-1, -5), (0, -20), (1, -5), (10, -5), (10, 5), (1, 5), (0, 20), (-1, 5), (-10, 5)]
     ring = shapely.segmentize(shapely.Polygon(corners), 1.0)
     rows, starts, polygons = rings_of(shapely.get_coordinates(ring)[:-1])
     parts = [shapely.box(1, -6, 12, 6), shapely.box(-12, -6, -1, 6)]
     with pytest.raises(Unsolvable, match="no room for a scale of 1.2: it ends at 1.1"):
         enlarge(rows, starts, polygons, shapely.MultiPolygon(parts), 1.2)
     focus = shapely.MultiPolygon(parts)
-    check(rows, starts, polygons, focus, 1.2, enlarge(
-        rows, starts, polygons, focus, 1.2, growth=0.2), frame=False)
+    check(
+        rows,
+        starts,
+        polygons,
+        focus,
+        1.2,
+        enlarge(rows, starts, polygons, focus, 1.2, growth=0.2),
+        frame=False,
+    )
 
 
 def test_detail_is_carried():
@@ -325,7 +339,7 @@ def test_triangles_do_not_turn_over(height):
                 result = enlarge(rows, starts, polygons, focus, scale, rule="None")
                 check(rows, starts, polygons, focus, scale, result)
                 assert result.scale == scale
-                assert shapely.LinearRing(result.rows[starts[-2]:]).is_ccw
+                assert shapely.LinearRing(result.rows[starts[-2] :]).is_ccw
 
 
 def test_points_that_only_rounding_keeps_apart():
@@ -413,7 +427,9 @@ def test_far_from_the_origin_nothing_is_turned_by_rounding():
 def test_flat_triangles_carry_nothing():
     """On three points of one line there is no telling where a point between them goes: the others do."""
     points = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (1.0, 0.0), (3.0, 0.0), (1.0, 1.0)])
-    triangles = np.array([(0, 5, 6), (5, 1, 6), (1, 2, 6), (2, 3, 6), (3, 0, 6), (0, 4, 5)])  # the last is flat
+    triangles = np.array(
+        [(0, 5, 6), (5, 1, 6), (1, 2, 6), (2, 3, 6), (3, 0, 6), (0, 4, 5)]
+    )  # the last is flat
     moved = points * 2.0
     at = np.array([(0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 1.0), (3.9, 3.9)])
     assert np.allclose(Carrier(points, moved, triangles)(at), 2.0 * at, rtol=0, atol=1e-15)

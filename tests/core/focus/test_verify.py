@@ -32,12 +32,15 @@ def test_nothing_is_wrong(made):
     assert verify(*lines, FEATURES) == (0, 0, 0, 0, True) and faults(result, *lines) == []
 
 
-@pytest.mark.parametrize("change, found", [
-    ({(4, 0): (4.5, 0)}, {"apart": 1}),  # one of two that were one
-    ({(2, 7): (0.5, 6.5)}, {"turned": 1, "invalid": 1}),  # a bow tie, in a feature of two polygons
-    ({(1, 6): (np.nan, 6)}, {"finite": False}),
-    ({(5, 6): (3, 6)}, {"crossings": 1, "invalid": 1}),  # the hole leaves its shell
-])
+@pytest.mark.parametrize(
+    "change, found",
+    [
+        ({(4, 0): (4.5, 0)}, {"apart": 1}),  # one of two that were one
+        ({(2, 7): (0.5, 6.5)}, {"turned": 1, "invalid": 1}),  # a bow tie, in a feature of two polygons
+        ({(1, 6): (np.nan, 6)}, {"finite": False}),
+        ({(5, 6): (3, 6)}, {"crossings": 1, "invalid": 1}),  # the hole leaves its shell
+    ],
+)
 def test_what_is_planted_is_found(made, change, found):
     _, before, _, starts = made
     after = before.copy()
@@ -53,8 +56,10 @@ def test_what_is_planted_is_found(made, change, found):
 def test_a_map_that_is_not_one_to_one_is_found(made):
     result, before, after, starts = made
     inner = int(np.flatnonzero(((result.points > 0) & (result.points < (8, 9))).all(axis=1))[0])
-    cases = [(result._replace(triangles=result.triangles[1:]), "do not fill"),
-             (result._replace(triangles=result.triangles[[0, *range(len(result.triangles))]]), "overlap")]
+    cases = [
+        (result._replace(triangles=result.triangles[1:]), "do not fill"),
+        (result._replace(triangles=result.triangles[[0, *range(len(result.triangles))]]), "overlap"),
+    ]
     for shift, said in (((20.0, 0.0), "turned"), (None, "turned"), (0.0, "not where its vertex is")):
         moved = result.moved.copy()
         if shift is None:  # flat: all three corners on one line, to the last bit
@@ -90,6 +95,10 @@ def test_crossings_are_those_of_brute_force(seed, monkeypatch):
     edges = edges[(xy[edges[:, 0]] != xy[edges[:, 1]]).any(axis=1)]
     found = set(map(tuple, crossing_pairs(xy, edges).tolist()))
     lines = shapely.linestrings(xy[edges])
-    expected = {(a, b) for b in range(len(edges)) for a in range(b)
-                if not set(edges[a]) & set(edges[b]) and lines[a].intersects(lines[b])}
+    expected = {
+        (a, b)
+        for b in range(len(edges))
+        for a in range(b)
+        if not set(edges[a]) & set(edges[b]) and lines[a].intersects(lines[b])
+    }
     assert found == expected and len(found) > 20

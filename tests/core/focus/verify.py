@@ -178,7 +178,7 @@ def crossing_pairs(xy, edges):
     tree = shapely.STRtree(shapely.linestrings(xy[edges]))
     found = [np.empty((0, 2), dtype=np.int64)]
     for start in range(0, len(edges), AT_ONCE):
-        some = tree.geometries[start:start + AT_ONCE]
+        some = tree.geometries[start : start + AT_ONCE]
         a, b = tree.query(some)  # boxes that meet; most of these share an end
         a += start
         a, b = a[a < b], b[a < b]

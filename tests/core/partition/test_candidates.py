@@ -3,7 +3,14 @@ import pytest
 import shapely
 
 from isthmus.core.partition.candidates import (
-    ACCEPTED, CROSSES, LEAVES, OFF_VERTICES, REPEATED, TOUCHES, counted, from_lines,
+    ACCEPTED,
+    CROSSES,
+    LEAVES,
+    OFF_VERTICES,
+    REPEATED,
+    TOUCHES,
+    counted,
+    from_lines,
     from_triangulation,
 )
 from isthmus.core.partition.carving import components
@@ -19,20 +26,23 @@ def verdicts(s, *lines):
     return from_lines(from_rings(*s), np.array(lines, dtype=float))
 
 
-@pytest.mark.parametrize("line, verdict", [
-    ([(10, 4), (10, 6)], ACCEPTED),
-    ([(10, 6), (10, 4)], ACCEPTED),
-    ([(10 + 1e-9, 4), (10, 6)], ACCEPTED),
-    ([(10 + 1e-6, 4), (10, 6)], OFF_VERTICES),
-    ([(5, 5), (10, 6)], OFF_VERTICES),
-    ([(10, 4), (10, 4)], OFF_VERTICES),
-    ([(NAN, 4), (10, 6)], OFF_VERTICES),
-    ([(10, 4), (np.inf, 6)], OFF_VERTICES),
-    ([(10, 0), (12, 0)], LEAVES),
-    ([(10, 0), (22, 10)], LEAVES),
-    ([(0, 0), (10, 0)], TOUCHES),
-    ([(10, 0), (10, 6)], TOUCHES),
-])
+@pytest.mark.parametrize(
+    "line, verdict",
+    [
+        ([(10, 4), (10, 6)], ACCEPTED),
+        ([(10, 6), (10, 4)], ACCEPTED),
+        ([(10 + 1e-9, 4), (10, 6)], ACCEPTED),
+        ([(10 + 1e-6, 4), (10, 6)], OFF_VERTICES),
+        ([(5, 5), (10, 6)], OFF_VERTICES),
+        ([(10, 4), (10, 4)], OFF_VERTICES),
+        ([(NAN, 4), (10, 6)], OFF_VERTICES),
+        ([(10, 4), (np.inf, 6)], OFF_VERTICES),
+        ([(10, 0), (12, 0)], LEAVES),
+        ([(10, 0), (22, 10)], LEAVES),
+        ([(0, 0), (10, 0)], TOUCHES),
+        ([(10, 0), (10, 6)], TOUCHES),
+    ],
+)
 def test_one_line(line, verdict):
     found = verdicts(shapes.DUMBBELL, line)
     assert found.verdict.tolist() == [verdict]
@@ -45,8 +55,7 @@ def test_no_line():
 
 
 def test_a_repeated_line_names_the_first():
-    found = verdicts(
-        shapes.DUMBBELL, [(10, 4), (12, 6)], [(10, 4), (10, 6)], [(10, 6), (10, 4)])
+    found = verdicts(shapes.DUMBBELL, [(10, 4), (12, 6)], [(10, 4), (10, 6)], [(10, 6), (10, 4)])
     assert found.verdict.tolist() == [ACCEPTED, ACCEPTED, REPEATED]
     assert found.other.tolist() == [-1, -1, 1]
 
@@ -86,8 +95,7 @@ def test_what_is_accepted_is_a_set_of_diagonals(seed):
         other = found.other[k]
         assert accepted[other] and crossing[k, other] and length[other] <= length[k]
     ends = from_rings(*s).xy[found.edges]
-    assert np.array_equal(np.sort(ends, axis=1)[:, :, 0],
-                          np.sort(lines[found.edge_line], axis=1)[:, :, 0])
+    assert np.array_equal(np.sort(ends, axis=1)[:, :, 0], np.sort(lines[found.edge_line], axis=1)[:, :, 0])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -106,8 +114,7 @@ def test_order_of_the_lines_does_not_matter(seed):
 
 def attachments(s, min_hole):
     polygon = from_rings(*s)
-    wanted, attachable = counted(polygon, components(polygon), planar().equal_area,
-                                 np.array([min_hole]))
+    wanted, attachable = counted(polygon, components(polygon), planar().equal_area, np.array([min_hole]))
     return set(np.flatnonzero(wanted).tolist()), {tuple(p) for p in polygon.xy[attachable]}
 
 
@@ -137,9 +144,7 @@ BY_AN_ULP = [  # GEOS takes the crossing of two lines for a touch: it rounds the
 
 @pytest.mark.parametrize("ring, one, other", BY_AN_ULP)
 def test_lines_that_cross_by_an_ulp(ring, one, other):
-    lines = from_lines(
-        from_rings(*shapes.shape(ring)), [[ring[k] for k in one], [ring[k] for k in other]]
-    )
+    lines = from_lines(from_rings(*shapes.shape(ring)), [[ring[k] for k in one], [ring[k] for k in other]])
     assert len(lines.edges) < 2, "both were accepted, though they cross"
 
 
@@ -150,11 +155,16 @@ def test_a_line_far_off_a_tiny_polygon():
 
 
 def test_small_holes_get_no_edges():
-    s = shapes.shape(
-        shapes.box(0, 0, 20, 10), shapes.box(2, 2, 5, 5)[::-1], shapes.box(14, 4, 16, 6)[::-1])
+    s = shapes.shape(shapes.box(0, 0, 20, 10), shapes.box(2, 2, 5, 5)[::-1], shapes.box(14, 4, 16, 6)[::-1])
     big, small = {(2, 2), (5, 5)}, {(14, 4), (16, 6)}
-    for floor, holes, ends in [(0, 2, big | small), (4, 2, big | small), (4.1, 1, big),
-                               (9, 1, big), (9.1, 0, set()), (1e9, 0, set())]:
+    for floor, holes, ends in [
+        (0, 2, big | small),
+        (4, 2, big | small),
+        (4.1, 1, big),
+        (9, 1, big),
+        (9.1, 0, set()),
+        (1e9, 0, set()),
+    ]:
         wanted, attached = attachments(s, floor)
         assert len(wanted) == 1 + holes
         assert attached & (big | small) == ends

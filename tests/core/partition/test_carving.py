@@ -29,11 +29,19 @@ def prepared(s):
     return polygon, component, edges, length, wanted
 
 
-@pytest.mark.parametrize("name, expected", [
-    ("touch at vertex", [0, 0]), ("touch in edge", [0, 0]), ("holes touch", [0, 1, 1]),
-    ("chain of holes", [0, 1, 1, 1]), ("three at a point", [0, 1, 1, 1]),
-    ("notch touches last hole", [0, 1, 0]), ("annulus", [0, 1]), ("dumbbell", [0]),
-])
+@pytest.mark.parametrize(
+    "name, expected",
+    [
+        ("touch at vertex", [0, 0]),
+        ("touch in edge", [0, 0]),
+        ("holes touch", [0, 1, 1]),
+        ("chain of holes", [0, 1, 1, 1]),
+        ("three at a point", [0, 1, 1, 1]),
+        ("notch touches last hole", [0, 1, 0]),
+        ("annulus", [0, 1]),
+        ("dumbbell", [0]),
+    ],
+)
 def test_components(name, expected):
     assert components(from_rings(*CASES[name])).tolist() == expected
 
@@ -46,8 +54,7 @@ def test_minimum_spanning_tree(name):
     ends = [(of_vertex[u], of_vertex[v]) for u, v in edges.tolist()]
     reached, total = {0}, 0.0
     while reached != set(component.tolist()):
-        d, k = min((length[k], k) for k, (a, b) in enumerate(ends)
-                   if (a in reached) != (b in reached))
+        d, k = min((length[k], k) for k, (a, b) in enumerate(ends) if (a in reached) != (b in reached))
         reached |= set(ends[k])
         total += d
     tree, apart = spanning_tree(polygon, component, edges, length, wanted)
@@ -97,8 +104,7 @@ def test_walk(name):
     assert walk.corner[0] == 0
 
     count = Counter(walk.edge.tolist())
-    assert count == {**{c: 1 for c in range(len(polygon.vertex))},
-                     **{-1 - t: 2 for t in range(len(tree))}}
+    assert count == {**{c: 1 for c in range(len(polygon.vertex))}, **{-1 - t: 2 for t in range(len(tree))}}
     at = polygon.vertex[walk.corner]
     steps = zip(at.tolist(), np.roll(at, -1).tolist(), walk.edge.tolist())
     for a, b, edge in steps:

@@ -7,7 +7,11 @@ from .. import checker
 from isthmus.core.partition import triangulation
 from isthmus.core.partition.carving import carve, components, spanning_tree
 from isthmus.core.partition.dilation import (
-    boundary_graph, detours, drop_redundant, largest_dilation, true_dilations,
+    boundary_graph,
+    detours,
+    drop_redundant,
+    largest_dilation,
+    true_dilations,
 )
 from isthmus.core.metric import planar
 from isthmus.core.partition.min_size import LEAF, ROOT, SELF, min_size, witness_lengths
@@ -41,11 +45,12 @@ class Case:
         self.polygon = polygon = one(*CASES[name])
         self.edges = stages.diagonals(polygon)
         self.length = planar().length(polygon.xy, *self.edges.T)
-        self.edge_length = planar().length(
-            polygon.xy, polygon.vertex, polygon.vertex[polygon.next_corner])
+        self.edge_length = planar().length(polygon.xy, polygon.vertex, polygon.vertex[polygon.next_corner])
 
     def graph(self, selected):
-        return boundary_graph(self.polygon, self.polygon.xy, self.edge_length, self.edges, self.length, selected)
+        return boundary_graph(
+            self.polygon, self.polygon.xy, self.edge_length, self.edges, self.length, selected
+        )
 
     def dropped(self, selected, bounded, tau, check):
         """What `drop_redundant` keeps of edges, T among them."""
@@ -53,8 +58,17 @@ class Case:
         assert np.array_equal(prepared.edges, self.edges)
         role = np.zeros(len(self.edges), dtype=int)  # all are selected: none has a witness yet
         return drop_redundant(
-            self.graph(selected), self.edges, self.length, selected, self.length, bounded,
-            np.full(len(self.edges), tau), prepared.carved, role, np.ones(len(self.edges)), check,
+            self.graph(selected),
+            self.edges,
+            self.length,
+            selected,
+            self.length,
+            bounded,
+            np.full(len(self.edges), tau),
+            prepared.carved,
+            role,
+            np.ones(len(self.edges)),
+            check,
         )
 
     def expected(self, selected):
@@ -69,8 +83,7 @@ class Case:
 @pytest.mark.parametrize("name", CASES)
 def test_detours(name):
     case = Case(name)
-    assert_close(detours(case.polygon, case.edge_length, case.edges, case.length),
-                 case.expected(NONE))
+    assert_close(detours(case.polygon, case.edge_length, case.edges, case.length), case.expected(NONE))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.4, 1.0])
@@ -143,15 +156,29 @@ def solution(prepared, tau, extra=0.0):
 
 
 def graph_of(prepared, selected):
-    return boundary_graph(prepared.polygons, prepared.polygons.xy, prepared.edge_length, prepared.edges,
-                          prepared.length, selected)
+    return boundary_graph(
+        prepared.polygons,
+        prepared.polygons.xy,
+        prepared.edge_length,
+        prepared.edges,
+        prepared.length,
+        selected,
+    )
 
 
 def dropped(prepared, selected, role, bound, tau, graph=None, weight=None):
     return drop_redundant(
-        graph or graph_of(prepared, selected), prepared.edges, prepared.length, selected,
-        prepared.length if weight is None else weight, prepared.bounded, tau[prepared.owner],
-        prepared.carved, role, bound, nothing,
+        graph or graph_of(prepared, selected),
+        prepared.edges,
+        prepared.length,
+        selected,
+        prepared.length if weight is None else weight,
+        prepared.bounded,
+        tau[prepared.owner],
+        prepared.carved,
+        role,
+        bound,
+        nothing,
     )
 
 
@@ -233,8 +260,15 @@ def test_many_holes_take_time_in_proportion(tau):
 # ---------------------------------------------------------------- a chunk of polygons
 
 POOL = [
-    *shapes.TOUCHING.values(), shapes.DUMBBELL, shapes.ANNULUS, shapes.TWO_HOLES, shapes.SQUARE,
-    shapes.TRIANGLE, shapes.lattice_of_holes(3), shapes.koch(2), shapes.comb(4),
+    *shapes.TOUCHING.values(),
+    shapes.DUMBBELL,
+    shapes.ANNULUS,
+    shapes.TWO_HOLES,
+    shapes.SQUARE,
+    shapes.TRIANGLE,
+    shapes.lattice_of_holes(3),
+    shapes.koch(2),
+    shapes.comb(4),
     *(shapes.mosaic(seed, 40) for seed in range(40)),
     *(shapes.mosaic(seed, 40, size=8) for seed in range(40)),
     *(shapes.polyomino(seed, 7, 7, 0.75, 0.5) for seed in range(40)),
@@ -274,15 +308,25 @@ def all_stages(prepared, tau):
     kept, joined, some = (by_polygon(prepared, x, True) for x in (kept, kept[joined], some))
     i, j = by_polygon(prepared, walk.i), by_polygon(prepared, walk.j)
     for p in range(count):
-        lo, hi = walk.offsets[p:p + 2]
+        lo, hi = walk.offsets[p : p + 2]
         edge, free = walk.edge[lo:hi], np.setdiff1d(np.arange(len(i[p])), tree[p])
-        result.append((
-            component[ring_of[p]:polygons.polygon_offsets[p + 1]] - ring_of[p], tree[p],
-            walk.corner[lo:hi] - polygons.corner_offsets[p],
-            np.where(edge < 0, edge + before[p], edge - polygons.corner_offsets[p]),
-            i[p][free] - lo, j[p][free] - lo, kept[p], joined[p], apart[p], some[p], largest[p], true[p],
-            detour[p],
-        ))
+        result.append(
+            (
+                component[ring_of[p] : polygons.polygon_offsets[p + 1]] - ring_of[p],
+                tree[p],
+                walk.corner[lo:hi] - polygons.corner_offsets[p],
+                np.where(edge < 0, edge + before[p], edge - polygons.corner_offsets[p]),
+                i[p][free] - lo,
+                j[p][free] - lo,
+                kept[p],
+                joined[p],
+                apart[p],
+                some[p],
+                largest[p],
+                true[p],
+                detour[p],
+            )
+        )
     return result
 
 

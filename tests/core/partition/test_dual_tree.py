@@ -24,8 +24,7 @@ def random_brackets(seed, m, share):
 
 def narrowest(intervals, lo, hi):
     """The smallest interval around lo..hi other than that one itself; None for the root."""
-    around = [(b - a, k) for k, (a, b) in enumerate(intervals)
-              if a <= lo and hi <= b and (a, b) != (lo, hi)]
+    around = [(b - a, k) for k, (a, b) in enumerate(intervals) if a <= lo and hi <= b and (a, b) != (lo, hi)]
     return min(around)[1] if around else None
 
 
@@ -53,8 +52,7 @@ def test_levels_run_down_the_tree(seed):
     depth = np.zeros(len(tree.parent), dtype=int)
     for node in range(1, len(depth)):
         depth[node] = depth[tree.parent[node]] + 1
-    assert np.array_equal(np.repeat(np.arange(len(tree.level_start) - 1),
-                                    np.diff(tree.level_start)), depth)
+    assert np.array_equal(np.repeat(np.arange(len(tree.level_start) - 1), np.diff(tree.level_start)), depth)
     assert (np.diff(tree.parent) >= 0).all(), "siblings stand together"
 
 
@@ -90,6 +88,6 @@ def test_a_forest_is_its_trees(seed):
         parents = dict(zip(name[mine].tolist(), name[forest.parent[mine]].tolist()))
         alone = np.append(-1, tree.diagonal)
         assert parents == dict(zip(alone[1:].tolist(), alone[tree.parent[1:]].tolist()))
-        faces = forest.edge_face[offsets[k]:offsets[k + 1]]
+        faces = forest.edge_face[offsets[k] : offsets[k + 1]]
         assert name[faces].tolist() == alone[tree.edge_face].tolist()
         assert (faces[name[faces] < 0] == k).all()

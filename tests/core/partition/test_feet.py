@@ -132,8 +132,9 @@ def test_feet_are_feet(k):
     s = POOL[k]
     rings = one_polygon(s.coords, s.offsets)
     polygons, _ = from_rings(rings)
-    more, coords, (known, _) = with_feet(polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool),
-                                         np.zeros(1), measure=metric.planar())
+    more, coords, (known, _) = with_feet(
+        polygons, rings, np.zeros(len(polygons.offsets) - 1, dtype=bool), np.zeros(1), measure=metric.planar()
+    )
     corner = np.flatnonzero(more.rows[more.row_start[:-1]] >= len(s.coords))
     assert len(corner) == len(coords)
     real = ~polygons.inserted
@@ -188,8 +189,9 @@ def test_every_tooth_before_a_bare_wall(count):
 
 def test_outlines_with_vertices_enough_get_none():
     """A round basin, a corridor with a vertex opposite each vertex, and a convex polygon."""
-    corridor = shape([(0, 0), (9, 0), (9, 4), (13, 4), (13, 0), (22, 0), (22, 9), (13, 9), (13, 5), (9, 5),
-                      (9, 9), (0, 9)])
+    corridor = shape(
+        [(0, 0), (9, 0), (9, 4), (13, 4), (13, 0), (22, 0), (22, 9), (13, 9), (13, 5), (9, 5), (9, 9), (0, 9)]
+    )
     for s in (shape(shapes.circle(50, 10.0)), corridor):
         assert not len(solve(s, 2.0, new_vertices=True).new_rows)
 
@@ -245,8 +247,7 @@ def test_small_holes_do_not_count():
 
 def test_a_foot_beside_a_touching_hole():
     """The hole's tip is a corner of the wall, which no part shows where no cut ends."""
-    s = shape([(0, 0), (20, 0), (20, 10), (11, 10), (10, 1), (9, 10), (0, 10)],
-              [(15, 0), (16, 3), (14, 3)])
+    s = shape([(0, 0), (20, 0), (20, 10), (11, 10), (10, 1), (9, 10), (0, 10)], [(15, 0), (16, 3), (14, 3)])
     for tau in (2.0, 4.0, 9.0):
         result = solve(s.mapped(with_plane), tau, new_vertices=True)
         told, more = extended(result, s.mapped(with_plane))
@@ -280,8 +281,10 @@ def test_how_many_places_lack_a_vertex(k):
             a, b = polygons.xy[polygons.vertex[edge]], polygons.xy[after[edge]]
             xy = np.vstack((polygons.xy, a + share * (b - a)))
             assert length == pytest.approx(np.hypot(*(xy[apex] - xy[foot])))
-            ring = [[polygons.vertex[c], foot] if c == edge else [polygons.vertex[c]]
-                    for c in range(len(polygons.vertex))]
+            ring = [
+                [polygons.vertex[c], foot] if c == edge else [polygons.vertex[c]]
+                for c in range(len(polygons.vertex))
+            ]
             ring = [sum(ring[lo:hi], []) for lo, hi in zip(polygons.offsets[:-1], polygons.offsets[1:])]
             count += checker.dilations(xy, ring, cuts, [(apex, foot)])[0] > tau * (1 + 1e-9)
         assert told == count if len(s.offsets) == 2 else told >= count
@@ -293,7 +296,8 @@ def test_natural_places_only():
     for s in (NECK, teeth(3)):  # an edge counts once, however many teeth are before it
         for share, count in ((0.0, 1), (0.6, 0)):
             prepared = road.prepare(
-                one_polygon(s.coords, s.offsets), natural=True,
+                one_polygon(s.coords, s.offsets),
+                natural=True,
                 smallest=max(smallest, share * s.polygon.area),
             )
             selection = road.select(prepared, 3.0)

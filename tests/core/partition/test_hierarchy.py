@@ -39,9 +39,7 @@ def test_largest_dilation_of_every_level(seed):
             assert worst <= found.persistence[going[k - 1]] * (1 + 1e-9)
         if k < len(going):
             # of those left, none leaves less: the price of each, from scratch
-            price = [
-                true_dilations(prepared, np.delete(left, n)).max() for n in range(len(left))
-            ]
+            price = [true_dilations(prepared, np.delete(left, n)).max() for n in range(len(left))]
             assert found.persistence[going[k]] == pytest.approx(max(min(price), worst))
 
 
@@ -86,10 +84,22 @@ def test_with_holes_persistences_are_upper_bounds_and_the_tree_stays():
 
 
 def test_natural_candidates_have_levels_too():
-    dumbbell = shapes.shape([
-        (0, 0), (10, 0), (10, 4), (14, 4), (14, 0), (24, 0), (24, 10), (14, 10), (14, 6), (10, 6),
-        (10, 10), (0, 10),
-    ])
+    dumbbell = shapes.shape(
+        [
+            (0, 0),
+            (10, 0),
+            (10, 4),
+            (14, 4),
+            (14, 0),
+            (24, 0),
+            (24, 10),
+            (14, 10),
+            (14, 6),
+            (10, 6),
+            (10, 10),
+            (0, 10),
+        ]
+    )
     prepared = natural_parts.prepare(one_polygon(dumbbell.coords, dumbbell.offsets), 1.0)[0]
     found = hierarchy(prepared, select(prepared, 1.0))
     assert len(found.cut) == 2
@@ -103,7 +113,9 @@ def test_natural_candidates_have_levels_too():
 )
 def test_paths_and_array_calls_tell_the_same(monkeypatch, name, tau):
     shape = {
-        "tour": shapes.tour(5, 300), "spiral": shapes.spiral(12), "comb": shapes.comb(40),
+        "tour": shapes.tour(5, 300),
+        "spiral": shapes.spiral(12),
+        "comb": shapes.comb(40),
         "holes": shapes.mosaic(3, 150),
         "natural": shapes.tour(6, 300),
     }[name]

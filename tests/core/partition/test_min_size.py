@@ -79,8 +79,9 @@ def test_nor_on_lattices_where_ties_are_common(seed, tau, way):
 @pytest.mark.parametrize("tau", TAUS)
 @pytest.mark.parametrize("seed", range(10))
 def test_each_role_has_its_witness(seed, tau, way):
-    net, _ = network_of(shapes.tour(seed, 30).coords,
-                        shapes.random_diagonals(shapes.tour(seed, 30).coords, seed))
+    net, _ = network_of(
+        shapes.tour(seed, 30).coords, shapes.random_diagonals(shapes.tour(seed, 30).coords, seed)
+    )
     role = min_size(net, tau)
     below, above = witness_lengths(net, role == SELF)
     allowed = tau * net.length * (1 + 1e-9)

@@ -42,8 +42,7 @@ def stacked(nets):
     parent = [np.where(net.tree.parent < 0, -1, place[net.tree.parent + at])
               for net, at in zip(nets, begin)]  # fmt: skip
     length, base, parent = (
-        np.concatenate(x)[order]
-        for x in ([net.length for net in nets], [net.base for net in nets], parent)
+        np.concatenate(x)[order] for x in ([net.length for net in nets], [net.base for net in nets], parent)
     )
     start = np.concatenate(([0], np.cumsum(np.bincount(level))))
     tree = DualTree(parent, start, np.zeros(0, int), np.zeros(0, int))

@@ -13,7 +13,6 @@ from isthmus.core.partition.solve import finish, select
 from isthmus.core.rings import one_polygon
 
 
-
 def natural(shape, smallest=0.002, **options):
     """The stage on one polygon; the smallest part as a share of the polygon."""
     return natural_parts.prepare(one_polygon(*shape), lambda area: smallest * area, **options)
@@ -34,19 +33,51 @@ def pair(a, b):
 
 
 def test_dumbbell_is_cut_at_both_ends_of_its_bar():
-    shape = shapes.shape([
-        (0, 0), (10, 0), (10, 4), (14, 4), (14, 0), (24, 0), (24, 10), (14, 10), (14, 6), (10, 6),
-        (10, 10), (0, 10),
-    ])
+    shape = shapes.shape(
+        [
+            (0, 0),
+            (10, 0),
+            (10, 4),
+            (14, 4),
+            (14, 0),
+            (24, 0),
+            (24, 10),
+            (14, 10),
+            (14, 6),
+            (10, 6),
+            (10, 10),
+            (0, 10),
+        ]
+    )
     assert cuts(shape) == {pair((10, 4), (10, 6)), pair((14, 4), (14, 6))}
 
 
 def test_limbs_are_cut_off_at_their_bases_and_the_body_is_not_cut_across():
     # two legs and, above them, two humps: their corners face each other over the body
-    shape = shapes.shape([
-        (0, 0), (4, 0), (4, -9), (8, -9), (8, 0), (24, 0), (24, -9), (28, -9), (28, 0), (32, 0),
-        (32, 10), (28, 10), (28, 16), (24, 16), (24, 10), (8, 10), (8, 16), (4, 16), (4, 10), (0, 10),
-    ])
+    shape = shapes.shape(
+        [
+            (0, 0),
+            (4, 0),
+            (4, -9),
+            (8, -9),
+            (8, 0),
+            (24, 0),
+            (24, -9),
+            (28, -9),
+            (28, 0),
+            (32, 0),
+            (32, 10),
+            (28, 10),
+            (28, 16),
+            (24, 16),
+            (24, 10),
+            (8, 10),
+            (8, 16),
+            (4, 16),
+            (4, 10),
+            (0, 10),
+        ]
+    )
     bases = {pair((x, y), (x + 4, y)) for x in (4, 24) for y in (0, 10)}
     assert cuts(shape) == bases
     assert cuts(shape, tau=3.0) == bases
@@ -81,9 +112,9 @@ def test_noise_below_the_scale_of_the_smallest_part_makes_no_cuts():
 
 def test_noise_on_the_outline_leaves_the_neck_where_it_is():
     rng = np.random.default_rng(6)
-    outline = shapely.union_all([
-        shapely.Point(0, 0).buffer(10), shapely.Point(24, 0).buffer(8), shapely.box(0, -2, 24, 2)
-    ])
+    outline = shapely.union_all(
+        [shapely.Point(0, 0).buffer(10), shapely.Point(24, 0).buffer(8), shapely.box(0, -2, 24, 2)]
+    )
     ring = shapely.get_coordinates(shapely.segmentize(outline, 0.4))[:-1]
     for amount in (0.0, 0.1):
         noisy = shapes.shape(ring + rng.uniform(-amount, amount, ring.shape))
@@ -141,7 +172,7 @@ def test_sides_against_shapely(shape):
     prepared, found, _, edges = natural(shape, 0.01)
     polygon = prepared.polygons
     for (u, v), share in zip(edges.tolist(), found.share.tolist()):
-        side = shapely.Polygon(polygon.xy[u:v + 1]).area / shape.polygon.area
+        side = shapely.Polygon(polygon.xy[u : v + 1]).area / shape.polygon.area
         assert share == pytest.approx(min(side, 1 - side), abs=1e-12)
 
 
@@ -266,10 +297,22 @@ def test_an_islet_does_not_take_a_neck_away():
 
 def test_degrees_are_measured_on_the_ellipsoid():
     # the same dumbbell in metres near the pole and, by its equal-area coordinates, in degrees
-    body = np.array([
-        (0, 0), (10, 0), (10, 4), (14, 4), (14, 0), (24, 0), (24, 10), (14, 10), (14, 6), (10, 6),
-        (10, 10), (0, 10.0),
-    ])
+    body = np.array(
+        [
+            (0, 0),
+            (10, 0),
+            (10, 4),
+            (14, 4),
+            (14, 0),
+            (24, 0),
+            (24, 10),
+            (14, 10),
+            (14, 6),
+            (10, 6),
+            (10, 10),
+            (0, 10.0),
+        ]
+    )
     for north in (0.0, 60.0, 75.0):
         stretch = 1.0 / np.cos(np.radians(north + 0.05))
         degrees = body * [0.01 * stretch, 0.01] + [30.0, north]
@@ -278,8 +321,9 @@ def test_degrees_are_measured_on_the_ellipsoid():
         plane = natural(shapes.shape(body), 0.01)[1]
         # which diagonal of a square the triangulation has is a matter of the last digit
         assert np.allclose(found.share[found.kept], plane.share[plane.kept], atol=2e-3)
-        assert np.allclose(found.edge_length / found.edge_length[0],
-                           plane.edge_length / plane.edge_length[0], rtol=2e-2)
+        assert np.allclose(
+            found.edge_length / found.edge_length[0], plane.edge_length / plane.edge_length[0], rtol=2e-2
+        )
 
 
 # ------------------------------------------------------------------------------ the generalised outline
@@ -289,8 +333,11 @@ def outline(shape, least):
     polygon = one(*shape)
     plane = polygon.xy[polygon.vertex]
     length = np.hypot(*(plane[polygon.next_corner] - plane).T)
-    return polygon, plane, length, generalised(
-        plane, plane, polygon.offsets, length, np.full(len(polygon.offsets) - 1, least)
+    return (
+        polygon,
+        plane,
+        length,
+        generalised(plane, plane, polygon.offsets, length, np.full(len(polygon.offsets) - 1, least)),
     )
 
 
@@ -348,7 +395,5 @@ def test_dilations_of_natural_candidates_by_the_checker():
         for tau in (1.0, 1.5, 3.0):
             selected = select(prepared, tau).selected
             polygon = prepared.polygons
-            worst = checker.dilations(
-                polygon.xy, [polygon.vertex], prepared.edges[selected], prepared.edges
-            )
+            worst = checker.dilations(polygon.xy, [polygon.vertex], prepared.edges[selected], prepared.edges)
             assert worst.max(initial=1.0) <= tau * (1 + 1e-9)

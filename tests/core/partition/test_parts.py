@@ -27,8 +27,7 @@ class Result:
         corner[polygon.vertex] = np.arange(len(polygon.vertex))
         self.edge_rows = polygon.rows[polygon.row_start[corner[edges]]]
         self.role = np.where(chosen, 0, 1)
-        self.parts = build_parts(
-            polygon, walk, np.flatnonzero(chosen), tree, planar().equal_area)
+        self.parts = build_parts(polygon, walk, np.flatnonzero(chosen), tree, planar().equal_area)
 
 
 CASES = {
@@ -107,8 +106,9 @@ def test_an_edge_that_only_connects_a_hole_borders_nothing():
 
 @pytest.mark.parametrize("factor", [1e200, 1e150, 1e90, 1e-90, 1e-170])
 def test_largest_first_at_extreme_values(factor):
-    room = shapes.shape([(0, 0), (3, 0), (3, 4), (4, 4), (4, 0), (14, 0), (14, 9), (4, 9), (4, 5),
-                         (3, 5), (3, 9), (0, 9)])
+    room = shapes.shape(
+        [(0, 0), (3, 0), (3, 4), (4, 4), (4, 0), (14, 0), (14, 9), (4, 9), (4, 5), (3, 5), (3, 9), (0, 9)]
+    )
     expected = [part.area for part in polygons(Result(room, 3, 0.5), room.coords)]
     assert len(set(expected)) > 3
     scaled = Result(room.mapped(lambda xy: xy * factor), 3, 0.5)
@@ -147,9 +147,7 @@ def test_merged_parts_are_those_of_the_cuts_that_are_left(name, most):
         pieces = np.argsort(union, kind="stable")
         offsets = np.searchsorted(union[pieces], np.arange(len(names) + 1))
         merged = []
-        for rows, rings, parts in merged_parts(
-            polygon, walk, chosen, tree, finest, pieces, offsets, most
-        ):
+        for rows, rings, parts in merged_parts(polygon, walk, chosen, tree, finest, pieces, offsets, most):
             own = np.split(rows, rings[1:-1])
             merged += [own[lo:hi] for lo, hi in zip(parts[:-1].tolist(), parts[1:].tolist())]
 

@@ -30,15 +30,11 @@ INVALID = {
         "Self-intersection",
     ),
     "hole outside": (shape(box(0, 0, 1, 1), box(3, 3, 4, 4)), "outside shell"),
-    "hole shares an edge": (
-        shape(box(0, 0, 10, 10), [(0, 2), (4, 2), (4, 8), (0, 8)]), "Self-intersection"
-    ),
+    "hole shares an edge": (shape(box(0, 0, 10, 10), [(0, 2), (4, 2), (4, 8), (0, 8)]), "Self-intersection"),
     "holes overlap": (shape(box(0, 0, 9, 9), box(1, 1, 4, 4), box(3, 3, 6, 6)), "invalid"),
     "hole twice": (shape(box(0, 0, 9, 9), box(1, 1, 4, 4), box(1, 1, 4, 4)), "invalid"),
     "hole in a hole": (shape(box(0, 0, 9, 9), box(1, 1, 8, 8), box(3, 3, 6, 6)), "nested"),
-    "one hole cuts through": (
-        shape(box(0, 0, 20, 10), [(0, 5), (10, 8), (20, 5), (10, 2)]), "disconnected"
-    ),
+    "one hole cuts through": (shape(box(0, 0, 20, 10), [(0, 5), (10, 8), (20, 5), (10, 2)]), "disconnected"),
     "two holes cut through": (
         shape(box(0, 0, 20, 10), [(0, 5), (10, 5), (5, 2)], [(10, 5), (20, 5), (15, 8)]),
         "disconnected",
@@ -75,7 +71,9 @@ def test_telling_it_otherwise_changes_nothing(seed):
     s = shapes.mosaic(seed, 40)
     expected = from_rings(*s)
     for other in (
-        shapes.restarted(s, seed + 1), shapes.reversed_rings(s), shapes.reordered_holes(s, seed),
+        shapes.restarted(s, seed + 1),
+        shapes.reversed_rings(s),
+        shapes.reordered_holes(s, seed),
         shapes.with_duplicates(s, seed),
     ):
         polygon = from_rings(*other)
@@ -116,10 +114,15 @@ def test_touching_rings_share_a_vertex(name):
     assert np.array_equal(points, s.coords[polygon.rows[polygon.row_start[:-1]], :2])
 
 
-@pytest.mark.parametrize("name, inserted", [
-    ("touch at vertex", []), ("touch in edge", [[0, 5]]), ("holes touch", []),
-    ("holes touch in edge", [[10, 5]]),
-])
+@pytest.mark.parametrize(
+    "name, inserted",
+    [
+        ("touch at vertex", []),
+        ("touch in edge", [[0, 5]]),
+        ("holes touch", []),
+        ("holes touch in edge", [[10, 5]]),
+    ],
+)
 def test_a_touched_edge_gets_a_corner(name, inserted):
     polygon = from_rings(*shapes.TOUCHING[name])
     assert polygon.xy[polygon.vertex[polygon.inserted]].tolist() == inserted
@@ -129,7 +132,14 @@ def test_several_touches_on_one_edge():
     teeth = [[(x, 0), (x - 1, 4), (x + 1, 4)] for x in (12, 3, 9, 6)]
     polygon = from_rings(*shape(box(0, 0, 15, 9), *teeth))
     assert polygon.xy[polygon.vertex[:8]].tolist() == [
-        [0, 0], [3, 0], [6, 0], [9, 0], [12, 0], [15, 0], [15, 9], [0, 9]
+        [0, 0],
+        [3, 0],
+        [6, 0],
+        [9, 0],
+        [12, 0],
+        [15, 0],
+        [15, 9],
+        [0, 9],
     ]
 
 

@@ -113,8 +113,13 @@ def test_the_same_cuts_however_it_is_told(name):
     s = CASES[name]
     for tau in (1.5, 4.0):
         expected = cut_pairs(solve(s, tau), s.coords)
-        for other in (shapes.restarted(s, 1), shapes.restarted(s, 5), shapes.reversed_rings(s),
-                      shapes.reordered_holes(s, 1), shapes.with_duplicates(s, 2)):
+        for other in (
+            shapes.restarted(s, 1),
+            shapes.restarted(s, 5),
+            shapes.reversed_rings(s),
+            shapes.reordered_holes(s, 1),
+            shapes.with_duplicates(s, 2),
+        ):
             assert cut_pairs(solve(other, tau), other.coords) == expected
 
 
@@ -164,8 +169,12 @@ def test_a_floor_above_everything_leaves_only_what_connects_holes():
 
 
 ARCHIPELAGO = shape(
-    box(0, 0, 40, 20), box(4, 4, 12, 16)[::-1], box(24, 4, 32, 16)[::-1],
-    box(17, 9, 18, 10)[::-1], box(20, 3, 21, 4)[::-1], [(12, 10), (13, 11), (13, 9)],
+    box(0, 0, 40, 20),
+    box(4, 4, 12, 16)[::-1],
+    box(24, 4, 32, 16)[::-1],
+    box(17, 9, 18, 10)[::-1],
+    box(20, 3, 21, 4)[::-1],
+    [(12, 10), (13, 11), (13, 9)],
 )
 
 
@@ -179,7 +188,8 @@ def test_small_holes_get_no_cut_and_stay_holes(tau):
     assert not ends & small
     holes = [
         {tuple(p) for p in shapely.get_coordinates(ring)}
-        for part in polygons(result, ARCHIPELAGO.coords) for ring in part.interiors
+        for part in polygons(result, ARCHIPELAGO.coords)
+        for ring in part.interiors
     ]
     for ring in ARCHIPELAGO.rings[3:5]:
         assert {tuple(p) for p in ring} in holes
@@ -209,13 +219,17 @@ def test_holes_that_no_line_connects():
 # ---------------------------------------------------------------- what comes back
 
 
-@pytest.mark.parametrize("tau, cuts, areas", [
-    (4.0, 1, [104, 100]), (19.0, 0, [204]),
-])
+@pytest.mark.parametrize(
+    "tau, cuts, areas",
+    [
+        (4.0, 1, [104, 100]),
+        (19.0, 0, [204]),
+    ],
+)
 def test_dumbbell(tau, cuts, areas):
     result = solve(shapes.DUMBBELL, tau)
     assert cut_count(result) == cuts
-    assert result.parts.area.tolist()[:len(areas)] == areas
+    assert result.parts.area.tolist()[: len(areas)] == areas
 
 
 def test_sides_length_and_detour_of_a_cut():
@@ -253,8 +267,7 @@ def teeth(n):
 HOSTILE = {
     "one row twice": shape([(0, 0), (10, 0), (10, 0), (10, 10), (0, 10)]),
     "closed": shape([(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)]),
-    "nearly twice": shape(
-        [(0, 0), (1, 0), (1, 2**-43), (1, 1), (0, 1), (0, 0.5 + 2**-43), (0, 0.5)]),
+    "nearly twice": shape([(0, 0), (1, 0), (1, 2**-43), (1, 1), (0, 1), (0, 0.5 + 2**-43), (0, 0.5)]),
     "sliver": shape([(0, 0), (1000, 0), (1000, 2**-13), (0, 2**-13)]),
     "needle": shape([(0, 0), (1000, 2**-43), (2000, 0), (1000, 2**-42)]),
     "far from the origin": shapes.DUMBBELL.mapped(lambda xy: xy * 2**-10 + 2**24),

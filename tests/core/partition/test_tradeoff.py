@@ -59,9 +59,7 @@ def test_curve_against_all_subsets(seed):
     least = [dilation[subset.sum(axis=1) <= cost].min() for cost in range(len(prepared.edges) + 1)]
     steps = [k for k in range(len(least)) if k == 0 or least[k] < least[k - 1] * (1 - 1e-11)]
     assert [joint.cost for joint in curve.solutions] == steps
-    assert [joint.dilation for joint in curve.solutions] == pytest.approx(
-        [least[k] for k in steps], rel=1e-9
-    )
+    assert [joint.dilation for joint in curve.solutions] == pytest.approx([least[k] for k in steps], rel=1e-9)
 
 
 def test_curve_and_budget_agree():
@@ -130,6 +128,7 @@ def test_paying_steps():
 @pytest.mark.parametrize("dilation", [2.0, math.inf, math.nan])
 def test_a_dilation_that_does_not_fall_is_the_last(dilation):
     """Rounding may give back the dilation asked to be beaten: that must not go on for ever."""
+
     def solve(tau):
         return Joint(tau, 1.0, 1.0, dilation)
 

@@ -77,7 +77,8 @@ def test_delaunay(name, engine, monkeypatch):
     points = [tuple(map(Fraction, point)) for point in polygon.xy.tolist()]
     assert not any(
         _in_circle(points[a], points[b], points[c], points[opposite[b, a]])
-        for (a, b), c in opposite.items() if (b, a) in opposite
+        for (a, b), c in opposite.items()
+        if (b, a) in opposite
     )
 
 
@@ -98,18 +99,16 @@ def _in_circle(a, b, c, d):
 T = np.linspace(0, 1, 9)
 LONLAT = {
     "oblique line": shapes.shape(np.concatenate((np.column_stack((T * 40, T * 40)), [(10, 40)]))),
-    "oblique line, other side": shapes.shape(
-        np.concatenate((np.column_stack((T * 40, T * 40)), [(40, 0)]))),
+    "oblique line, other side": shapes.shape(np.concatenate((np.column_stack((T * 40, T * 40)), [(40, 0)]))),
     "parallel": shapes.shape(np.concatenate((np.column_stack((T * 40, 0 * T + 50)), [(10, 70)]))),
     "pole": shapes.shape([(-180, -90), (180, -90), (180, -70), (90, -65), (0, -72), (-180, -70)]),
     "both poles": shapes.shape([(-180, -90), (180, -90), (180, 90), (0, 80), (-180, 90)]),
     "antimeridian": shapes.shape([(179, 10), (181, 10), (181, 12), (180, 10.5), (179, 12)]),
     "beyond the pole": shapes.shape([(0, 80), (10, 80), (10, 95), (7, 85), (0, 95)]),
-    "hole at a bent edge": shapes.shape(
-        [(0, 0), (60, 60), (0, 60)], [(29.5, 30), (29, 31), (29.5, 31)]),
+    "hole at a bent edge": shapes.shape([(0, 0), (60, 60), (0, 60)], [(29.5, 30), (29, 31), (29.5, 31)]),
     "two holes touch": shapes.shape(
-        [(0, 0), (60, 0), (60, 80), (0, 80)], [(10, 10), (30, 40), (20, 50)],
-        [(20, 25), (50, 20), (50, 50)]),
+        [(0, 0), (60, 0), (60, 80), (0, 80)], [(10, 10), (30, 40), (20, 50)], [(20, 25), (50, 20), (50, 50)]
+    ),
 }
 
 
@@ -225,17 +224,20 @@ def test_a_polygon_does_not_depend_on_its_neighbours(engine):
     )
     for k, polygon in enumerate(polygons):
         alone, _ = engines.triangulate(engine, polygon.xy, [0, len(polygon.xy)], ends[k], [0, len(ends[k])])
-        assert np.array_equal(found[offsets[k]:offsets[k + 1]] - shift[k], alone)
+        assert np.array_equal(found[offsets[k] : offsets[k + 1]] - shift[k], alone)
     assert len(engines.triangulate(engine, np.empty((0, 2)), [0], np.empty((0, 2), int), [0])[0]) == 0
 
 
 @needs["pythoncdt"]
-@pytest.mark.parametrize("ring", [
-    [(0, 0), (4, 0), (4, 4), (2, -1), (0, 4)],  # crosses itself
-    [(0, 0), (4, 0), (4, 4), (4, 4), (0, 4)],  # a point twice
-    [(0, 0), (0, 4), (4, 4), (4, 0)],  # the wrong way round: open to the outside
-    [(0, 0), (2, 0), (4, 0), (6, 0)],  # flat
-])
+@pytest.mark.parametrize(
+    "ring",
+    [
+        [(0, 0), (4, 0), (4, 4), (2, -1), (0, 4)],  # crosses itself
+        [(0, 0), (4, 0), (4, 4), (4, 4), (0, 4)],  # a point twice
+        [(0, 0), (0, 4), (4, 4), (4, 0)],  # the wrong way round: open to the outside
+        [(0, 0), (2, 0), (4, 0), (6, 0)],  # flat
+    ],
+)
 def test_cdt_has_no_answer_for_what_is_no_polygon(ring):
     """And those before and after it keep theirs."""
     rings = [shapes.box(0, 0, 3, 2), ring, shapes.box(0, 0, 2, 3)]
@@ -302,12 +304,15 @@ def test_shapely_1_is_said_to_be_too_old(monkeypatch):
 
 
 @pytest.mark.skipif(len(INSTALLED) < 2, reason="there is only one engine")
-@pytest.mark.parametrize("answer", [
-    np.empty((0, 3), dtype=int),
-    np.array([[0, 1, 2]]),
-    np.array([[0, 1, 2], [0, 1, 2]]),
-    np.array([[0, 2, 1], [0, 3, 2]]),
-])
+@pytest.mark.parametrize(
+    "answer",
+    [
+        np.empty((0, 3), dtype=int),
+        np.array([[0, 1, 2]]),
+        np.array([[0, 1, 2], [0, 1, 2]]),
+        np.array([[0, 2, 1], [0, 3, 2]]),
+    ],
+)
 def test_a_wrong_answer_is_never_used(answer, monkeypatch):
     """Engines give up without a word: the next takes over, and in the end none."""
     real, failing = engines.triangulate, []
