@@ -127,10 +127,7 @@ def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
         assert "ungültige Geometrie: Self-intersection" in feedback.warnings[0]
         given["TAU"] = QgsProperty.fromExpression("0.5")
         result = run("isthmus:partition", given, feedback)
-        assert feedback.warnings[-1] == (
-            "Objekt 2 wurde nicht zerlegt: tau muss eine Zahl ab 1 sein und ist 0.5; "
-            "ungültige Geometrie: Self-intersection[4.5 4.5]."
-        ) or "tau muss eine Zahl ab 1 sein und ist 0.5" in "".join(feedback.warnings)
+        assert any("tau muss eine Zahl ab 1 sein und ist 0.5" in text for text in feedback.warnings)
         status = {feature["status"] for feature in result["OUTPUT"].getFeatures()}
         assert "tau must be a number of at least 1, and is 0.5" in status
         ok, problem = german.checkParameterValues({"MIN_LENGTH": "x"}, QgsProcessingContext())
@@ -154,12 +151,11 @@ def f(x):
     return Sentence("is kept {}", x), "heard by tr"
 """
     found = translate.untold([("f.py", ast.parse(code))], {"heard by tr"})
-    assert [one.split(": ", 2)[-1] for one in found] == [
+    texts = {one.split(": ", 2)[-1] for one in found}
+    assert texts == {
         "this is said", "{} is raised", "the core says so", "some geometry is odd", "too many of them",
-    ]  # fmt: skip
-    assert not translate.untold(
-        [("f.py", ast.parse(code))], {*(one.split(": ", 2)[-1] for one in found), "heard by tr"}
-    )
+    }  # fmt: skip
+    assert not translate.untold([("f.py", ast.parse(code))], {*texts, "heard by tr"})
 
 
 def test_a_sentence_of_the_core_keeps_what_it_is_made_of(monkeypatch):
