@@ -1,6 +1,7 @@
 """What ``isthmus:aggregate`` runs."""
 
 import contextlib
+import gc
 
 import numpy as np
 from qgis.core import (
@@ -37,13 +38,15 @@ def aggregate(tool, parameters, context, feedback):
     """Run `isthmus:aggregate`; return its results."""
     source = tool.source(parameters, context)
     run = _Run(tool, parameters, context, feedback, source)
-    run.read()
+    with _uncollected():
+        run.read()
     if feedback.isCanceled():
         return {}
-    found, bound = run.solve()
+    with _uncollected() if run.choice(tool.METHOD) == "greedy" else contextlib.nullcontext():
+        found, bound = run.solve()
     if found is None:
         return {}
-    with Sinks(tool, parameters, context, feedback) as sinks:
+    with _uncollected(), Sinks(tool, parameters, context, feedback) as sinks:
         results = run.write(found, sinks)
         run.report(found, results, sinks)
     results.update(sinks.destinations)
@@ -76,6 +79,21 @@ def aggregate(tool, parameters, context, feedback):
         # where large areas must be cores, an exchange of cores afterwards may cost less than the bound
         results[tool.LOWER_BOUND] = float(min(bound, cost.total))
     return results
+
+
+@contextlib.contextmanager
+def _uncollected():
+    """A few seconds in which Python does not search for cycles of garbage.
+
+    Each search walks over all features again, and there are none to find: with 55,191 areas a sixth of the time.
+    """
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
 
 
 def _region_fields(class_field):
