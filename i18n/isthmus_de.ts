@@ -468,8 +468,8 @@
    <translation>Kosten über tau</translation>
   </message>
   <message>
-   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % of the area changed its class.</source>
-   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Mittelpunkt {:.6g}. Regionen: {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
+   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % of the area changed its class.</source>
+   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Zentrum {:.6g}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
   </message>
   <message>
    <source>Cuts</source>
@@ -712,6 +712,10 @@
    <translation>Er zerlegt alle Objekte des Layers, denn die Kommandozeile kennt keine Auswahl.</translation>
   </message>
   <message>
+   <source>It has no neighbours that would make it large enough.</source>
+   <translation>Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
+  </message>
+  <message>
    <source>It may not be used commercially.</source>
    <translation>Es darf nicht kommerziell genutzt werden.</translation>
   </message>
@@ -822,6 +826,10 @@
   <message>
    <source>No area is above half of its minimum size.</source>
    <translation>Keine Fläche liegt über der halben Mindestgröße.</translation>
+  </message>
+  <message>
+   <source>No region may have a class of the map: all of them are excluded.</source>
+   <translation>Keine Region darf eine Klasse der Karte haben: alle sind ausgeschlossen.</translation>
   </message>
   <message>
    <source>No region reaches its minimum size: is the threshold larger than the map?</source>
@@ -1012,8 +1020,8 @@
    <translation>Region, die vergrößert wird</translation>
   </message>
   <message>
-   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no neighbours that would make it large enough.</source>
-   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}. Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
+   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}.</source>
+   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}.</translation>
   </message>
   <message>
    <source>Regions</source>
@@ -1357,7 +1365,7 @@
   </message>
   <message>
    <source>Weights: class change {}, boundary {}, centre distance {}.</source>
-   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Abstand vom Zentrum {}.</translation>
+   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Entfernung vom Zentrum {}.</translation>
   </message>
   <message>
    <source>What to minimize: number or length of cuts</source>
@@ -1449,7 +1457,7 @@
   </message>
   <message>
    <source>centre distance</source>
-   <translation>Abstand vom Zentrum</translation>
+   <translation>Entfernung vom Zentrum</translation>
   </message>
   <message>
    <source>class</source>

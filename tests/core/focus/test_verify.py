@@ -1,5 +1,7 @@
 """The checker of focus maps: it finds what is planted, and crossings as brute force does."""
 
+import sys
+
 import numpy as np
 import pytest
 import shapely
@@ -9,6 +11,7 @@ pytest.importorskip("scipy")
 from isthmus.core.focus.enlarge import enlarge
 
 from ..shapes import box
+from . import verify as checker
 from .verify import crossing_pairs, faults, verify, with_splits
 
 FEATURES = [[[0]], [[1], [2]], [[3, 4]]]  # the lines of each polygon of each feature
@@ -102,3 +105,14 @@ def test_crossings_are_those_of_brute_force(seed, monkeypatch):
         if not set(edges[a]) & set(edges[b]) and lines[a].intersects(lines[b])
     }
     assert found == expected and len(found) > 20
+
+
+def test_a_polygon_is_triangulated_without_triangle_too(monkeypatch):
+    """There is no Triangle for Python 3.14."""
+    pytest.importorskip("triangle")
+    points = np.array([(0, 0), (9, 1), (8, 7), (1, 6), (3, 2), (3.5, 4), (5, 3)], dtype=float) / 9.0
+    number = [np.array([3, 0, 1, 2]), np.array([4, 5, 6])]
+    with_triangle = {frozenset(corners) for corners in checker._corners(points, number).tolist()}
+    monkeypatch.setitem(sys.modules, "triangle", None)
+    without = {frozenset(corners) for corners in checker._corners(points, number).tolist()}
+    assert without == with_triangle and len(without) == 7

@@ -203,22 +203,34 @@ def _shapes(xy, starts, polygons):
     return shapes
 
 
+def _corners(points, number):
+    """Corners of the triangles of a polygon, given as rings of points: by Triangle, or by shapely without it."""
+    try:
+        import triangle
+    except ImportError:  # there is none for Python 3.14
+        polygon = shapely.Polygon(points[number[0]], [points[ring] for ring in number[1:]])
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+        corner = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3] @ (1.0, 1j)
+        key = points @ (1.0, 1j)  # coordinates come back to the last bit
+        order = np.argsort(key)
+        return order[np.searchsorted(key[order], corner)]
+    segments = np.concatenate([np.column_stack((ring, np.roll(ring, -1))) for ring in number])
+    graph = {"vertices": points, "segments": segments.astype(np.int32)}
+    if len(number) > 1:
+        holes = [shapely.Polygon(points[ring]) for ring in number[1:]]
+        graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
+    return triangle.triangulate(graph, "pQBPN")["triangles"]
+
+
 def _turned(before, after, starts, lines, flat):
     """Triangles of the constrained Delaunay triangulation of a polygon that are turned, unless flat."""
-    import triangle
-
     rings = [np.arange(starts[k], starts[k + 1] - 1) for k in lines]
     rows = np.concatenate(rings)
     place, first = _numbered(before[rows])
     number = np.split(place, np.cumsum([len(ring) for ring in rings])[:-1])
-    segments = np.concatenate([np.column_stack((ring, np.roll(ring, -1))) for ring in number])
     points = before[rows[first]]
     points = (points - points.min(axis=0)) / (np.ptp(points, axis=0).max() or 1.0)
-    graph = {"vertices": points, "segments": segments.astype(np.int32)}
-    if len(lines) > 1:
-        holes = [shapely.Polygon(points[ring]) for ring in number[1:]]
-        graph["holes"] = shapely.get_coordinates(shapely.point_on_surface(holes))
-    at = rows[first][triangle.triangulate(graph, "pQBPN")["triangles"]]
+    at = rows[first][_corners(points, number)]
     sign = []
     for xy in (before, after):
         a, b, c = xy[at].transpose(1, 0, 2)
