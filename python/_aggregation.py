@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from . import _geometry, _kinds
-from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _problems, _reasons, _settings
+from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _plain, _problems, _reasons, _settings
 from ._kinds import Source
 from .core.aggregation import areas as core
 from .core.aggregation.coverage import faults, joined
@@ -145,7 +145,7 @@ def prepare_aggregation(
         own[as_it_came[feature]] = origin.geometries[chunk.features[feature[as_it_came[feature]]]]
         area.append(chunk.features[feature])
         geometry.append(own)
-        status.append(problem.verdict[found.polygon])
+        status.append(_plain(problem.verdict[found.polygon]))
         rings.append(Rings(chunk.rings.coords[found.rows], found.offsets, found.ring_offsets))
         new.append(found.rows >= len(chunk.rings.coords) - len(problem.prepared.new_rows))
     of = np.concatenate([np.empty(0, dtype=np.int64), *area])
@@ -374,7 +374,7 @@ class _Regions(NamedTuple):
             "size": self.out.size[which],
             "areas": np.array([len({sources[k] for k in self.out.members[r]}) for r in some], dtype=np.int64),
             "core": self.origin.ids[core_of],
-            "status": np.array([self.out.faults.get(r, "") for r in some], dtype=object),
+            "status": np.array([str(self.out.faults.get(r, "")) for r in some], dtype=object),
         }
         return _kinds.result(self.origin, geometry, core_of, fields, with_own=False), fields
 
@@ -392,7 +392,7 @@ class _Regions(NamedTuple):
             else:
                 kept = int(self.best.core[r])
                 changed = int(self.texts[kept] != self.texts[k])
-                rows.append((r + 1, self.values[kept], changed, self.out.faults.get(r, "")))
+                rows.append((r + 1, self.values[kept], changed, str(self.out.faults.get(r, ""))))
         region, kept_class, changed_class, status = zip(*rows) if rows else ((), (), (), ())
         fields = {
             "region": np.array(region),

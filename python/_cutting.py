@@ -395,7 +395,7 @@ def hierarchy(
         geometry = _objects(nesting.shapes(problem, nested, items, made), len(items.feature))
         whole = items.whole >= 0
         geometry[whole] = shapes[items.whole[whole]]
-        status = np.where(whole, problem.verdict[items.whole], "")
+        status = np.where(whole, _plain(problem.verdict[items.whole]), "")
         fields = {
             "part": items.number,
             "parent": np.where(items.parent, items.parent, np.nan),
@@ -559,6 +559,11 @@ def _nothing(problem: Problem) -> np.ndarray:
     return np.bincount(good, minlength=len(problem.chunk.features)) == 0
 
 
+def _plain(sentences: np.ndarray) -> np.ndarray:
+    """Sentences of the core as plain texts, as they stand in a table."""
+    return sentences.astype(str).astype(object)
+
+
 def _reasons(origin: Source, problem: Problem) -> dict[int, str]:
     """Why features of a chunk were not cut, or not all of their parts, by place in the source."""
     chunk, reasons = problem.chunk, {}
@@ -601,7 +606,7 @@ def _cut(
             **{name: np.where(nothing, np.nan, own)[feature] for name, own in values.items()},
         }
         why = [reasons[int(f)] for f in chunk.features[alone]]
-        status = np.append(problem.verdict[found.polygon][kept], np.array(why, dtype=object))
+        status = np.append(_plain(problem.verdict[found.polygon][kept]), np.array(why, dtype=object))
         as_it_came = origin.geometries[chunk.features[alone]]
         out.add_parts(chunk, feature, np.append(geometry[kept], as_it_came), fields, status)
         out.reasons.update(reasons)

@@ -19,6 +19,7 @@ from qgis.core import (
     QgsProviderRegistry,
 )
 
+from ...core.errors import Sentence
 from ..words import spoken, tr
 
 # formats that keep every feature, and can be read
@@ -155,7 +156,8 @@ class Sinks:
         sink, feature = self._sinks[name], QgsFeature(self.fields[name])
         if geometry is not None:
             feature.setGeometry(geometry)
-        feature.setAttributes(values)
+        # Qt takes no subclass of str for a text
+        feature.setAttributes([str(value) if isinstance(value, Sentence) else value for value in values])
         if not sink.addFeature(feature, _FAST):
             raise QgsProcessingException(
                 tr(
