@@ -103,7 +103,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 try:
                     float(value)
                 except ValueError:
-                    return f"{definition.name()} must be a number, and is {value!r}."
+                    return tr("{} must be a number, and is {!r}.").format(definition.name(), value)
         return ""
 
     def choice_problem(self, parameters):
@@ -114,9 +114,8 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             value, options = parameters.get(definition.name()), definition.options()
             empty = value == "" and definition.flags() & OPTIONAL
             if isinstance(value, (str, int, float)) and value not in options and not empty:
-                return (
-                    f"{definition.name()} must be one of {', '.join(options)} (or its number, 0 to "
-                    f"{len(options) - 1}), and is {value!r}."
+                return tr("{} must be one of {} (or its number, 0 to {}), and is {!r}.").format(
+                    definition.name(), ", ".join(options), len(options) - 1, value
                 )
         return ""
 
@@ -124,17 +123,17 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """Return a sentence about a number that is too small, infinite or none, or ''."""
         value = self.parameterAsDouble(parameters, name, context)
         if not least <= value < math.inf:
-            return f"{name} must be a number of at least {least:g}, and is {value:g}."
+            return tr("{} must be a number of at least {:g}, and is {:g}.").format(name, least, value)
         return ""
 
     def limit_problem(self, parameters, context, name):
         """Return a sentence about a number that is negative or above its largest value, or ''."""
         value = self.parameterAsDouble(parameters, name, context)
         if not value >= 0.0:
-            return f"{name} must not be negative, and is {value:g}."
+            return tr("{} must not be negative, and is {:g}.").format(name, value)
         largest = self.parameterDefinition(name).maximum()
         if value > largest:
-            return f"{name} must be at most {largest:g}, and is {value:g}."
+            return tr("{} must be at most {:g}, and is {:g}.").format(name, largest, value)
         return ""
 
     def add(self, parameter, help_text, advanced=False, decimals=None):

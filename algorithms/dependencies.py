@@ -12,6 +12,9 @@ from pathlib import Path
 
 import numpy
 
+from ..core.errors import Sentence
+from .words import as_sentence, spoken, tr
+
 # For which CPython and which machines PyPI has wheels. Nobody builds an engine from source.
 WHEELS = {
     "pythoncdt": (
@@ -38,8 +41,8 @@ def dependency_problem():
 
         problem = missing_packages(shapely)
     except ImportError:
-        problem = "the Python package shapely is missing"
-    return problem and f"{problem[0].upper()}{problem[1:]}. {install_hint(numpy.__version__)}"
+        problem = Sentence("the Python package shapely is missing")
+    return problem and f"{as_sentence(spoken(problem))} {install_hint(numpy.__version__)}"
 
 
 def engines_with_wheels(version=None, machine=None):
@@ -85,7 +88,7 @@ def install_hint(numpy_version, packages=None):
         shapely = '"shapely>=2.1"' if sys.version_info >= (3, 10) else '"shapely>=2.0"'
         packages = [shapely, *engines_with_wheels()[:1]]
         if "triangle" in packages:
-            remark = "triangle's licence does not allow commercial use: leave it out then; "
+            remark = tr("triangle's licence does not allow commercial use: leave it out then; ")
     command = f'{" ".join(packages)} "numpy=={numpy_version}"'
     if (Path(sys.prefix) / "conda-meta").is_dir():
         first, user = "", ""
@@ -93,12 +96,12 @@ def install_hint(numpy_version, packages=None):
         first, user = _pip_first(), " --user"
         if Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").exists():
             user += " --break-system-packages"
-    where = " in the OSGeo4W Shell" if sys.platform == "win32" else " in a terminal"
-    return (
-        "In the window of QGIS, Plugins > Isthmus > Install packages does it. Or run this"
-        f"{where}, then restart QGIS: {first}{_shell_word(python_program())} -m pip install{user} {command}"
-        f" ({remark}the last word keeps QGIS's own numpy)"
-    )
+    where = tr("in the OSGeo4W Shell") if sys.platform == "win32" else tr("in a terminal")
+    command = f"{first}{_shell_word(python_program())} -m pip install{user} {command}"
+    return tr(
+        "In the window of QGIS, Plugins > Isthmus > Install packages does it. Or run this {}, then "
+        "restart QGIS: {} ({}the last word keeps QGIS's own numpy)"
+    ).format(where, command, remark)
 
 
 def python_program(executable=None, prefix=None, system=None):

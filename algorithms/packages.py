@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .dependencies import engines_with_wheels
+from .words import tr
 
 INDEX = "https://pypi.org/simple/{}/"
 SIMPLE = "application/vnd.pypi.simple.v1+json"
@@ -161,8 +162,9 @@ def find(name, numpy_version, get):
         if set(wants) <= {"numpy"} and accepts(wants.get("numpy", ""), numpy_version):
             return wheel
     raise PackageError(
-        f"There is no wheel of {name} for Python {platform.python_version()} on {sysconfig.get_platform()} "
-        f"with numpy {numpy_version}. A newer QGIS may have one."
+        tr("There is no wheel of {} for Python {} on {} with numpy {}. A newer QGIS may have one.").format(
+            name, platform.python_version(), sysconfig.get_platform(), numpy_version
+        )
     )
 
 
@@ -313,11 +315,13 @@ def fetch(url, headers=None, feedback=None):
     blocking = QgsBlockingNetworkRequest()
     error = blocking.get(request, True, feedback)
     if feedback is not None and feedback.isCanceled():
-        raise PackageError("Stopped. Nothing was changed.")
+        raise PackageError(tr("Stopped. Nothing was changed."))
     if error != QgsBlockingNetworkRequest.ErrorCode.NoError:
         raise PackageError(
-            f"{QUrl(url).host()} cannot be reached: {blocking.errorMessage()}. Nothing was changed. Is there "
-            "a network, and has QGIS its proxy (Settings, Options, Network)?"
+            tr(
+                "{} cannot be reached: {}. Nothing was changed. Is there a network, and has QGIS its proxy "
+                "(Settings, Options, Network)?"
+            ).format(QUrl(url).host(), blocking.errorMessage())
         )
     return bytes(blocking.reply().content())
 
@@ -341,11 +345,13 @@ def install(names, numpy_version, say, feedback=None, get=None):
     archives = []
     for name in names:
         wheel = find(name, numpy_version, get)
-        say(f"{wheel.filename}, {wheel.size / 1e6:.1f} MB, from {wheel.url.split('/')[2]}")
+        say(tr("{}, {:.1f} MB, from {}").format(wheel.filename, wheel.size / 1e6, wheel.url.split("/")[2]))
         data = get(wheel.url, {})
         if hashlib.sha256(data).hexdigest() != wheel.sha256:
             raise PackageError(
-                f"{wheel.filename} has come damaged: its checksum is wrong. Nothing was changed. Try again."
+                tr("{} has come damaged: its checksum is wrong. Nothing was changed. Try again.").format(
+                    wheel.filename
+                )
             )
         archives.append((wheel, data))
     place = folder()
@@ -354,8 +360,8 @@ def install(names, numpy_version, say, feedback=None, get=None):
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             tops = {member.split("/")[0] for member in archive.namelist()}
             if "numpy" in tops or any(".data" in top for top in tops):
-                raise PackageError(f"{wheel.filename} is not as expected, and was not unpacked.")
+                raise PackageError(tr("{} is not as expected, and was not unpacked.").format(wheel.filename))
             archive.extractall(place)  # which leaves no folder out of it
-        say(f"{wheel.name} {wheel.version} is in {place}")
+        say(tr("{} {} is in {}").format(wheel.name, wheel.version, place))
     activate()
     importlib.invalidate_caches()

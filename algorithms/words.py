@@ -5,6 +5,8 @@ from pathlib import Path
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QTranslator, QUrl
 
+from ..core.errors import Sentence
+
 ROOT = Path(__file__).parents[1]
 CONTEXT = "isthmus"
 
@@ -12,6 +14,18 @@ CONTEXT = "isthmus"
 def tr(text):
     """Return a text in the user's language, or as it is where there is no translation."""
     return QCoreApplication.translate(CONTEXT, text)
+
+
+def spoken(sentence):
+    """Return a sentence of the core in the user's language; what is no `Sentence` (a name, say) as it is."""
+    if not isinstance(sentence, Sentence):
+        return sentence
+    return tr(sentence.template).format(*map(spoken, sentence.values)) if sentence.values else tr(sentence)
+
+
+def as_sentence(text):
+    """Return a text with a capital letter, and with a full stop if it has no end."""
+    return f"{text[0].upper()}{text[1:].rstrip('.')}{'' if text.endswith('?') else '.'}"
 
 
 def load_translation(language=None):

@@ -1,10 +1,46 @@
 """The errors that the core raises; every message is a sentence for a map-maker."""
 
-__all__ = ["Cancelled", "IsthmusError", "MissingEngine", "Unsolvable"]
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["Cancelled", "IsthmusError", "MissingEngine", "Sentence", "Unsolvable"]
+
+
+class Sentence(str):
+    """A sentence of the core in English, which remembers what it was made of.
+
+    The core knows no other language. Who shows the sentence may look up its template in a dictionary and
+    fill in the values again (`algorithms.words.spoken`); in a field it stays as it is.
+
+    Attributes
+    ----------
+    template : str
+    values : tuple
+        What fills the template; those that are sentences have templates of their own.
+
+    Examples
+    --------
+    >>> Sentence("tau must be a number of at least 1, and is {:g}", 0.5)
+    'tau must be a number of at least 1, and is 0.5'
+    """
+
+    template: str
+    values: tuple
+
+    def __new__(cls, template: str, *values: Any) -> Sentence:
+        sentence = super().__new__(cls, template.format(*values) if values else template)
+        sentence.template, sentence.values = str(template), values
+        return sentence
 
 
 class IsthmusError(Exception):
     """Root of all errors of this package."""
+
+    @property
+    def sentence(self) -> str:
+        """The message as it was given, a `Sentence` if it was one: ``str`` makes a plain text of it."""
+        return self.args[0] if self.args else ""
 
 
 class Unsolvable(IsthmusError):

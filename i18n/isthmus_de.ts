@@ -4,6 +4,10 @@
  <context>
   <name>isthmus</name>
   <message>
+   <source>, or another layer of it: {}</source>
+   <translation>, oder einen anderen Layer darin: {}</translation>
+  </message>
+  <message>
    <source>... and for {} more.</source>
    <translation>... und für {} weitere.</translation>
   </message>
@@ -248,12 +252,28 @@
    <translation>Ein GeoPackage mit einem Layer für jeden weiteren Layer, unter dessen Namen. Es wird neu geschrieben.</translation>
   </message>
   <message>
+   <source>A feature of {} could not be written: {}</source>
+   <translation>Ein Objekt von {} konnte nicht geschrieben werden: {}</translation>
+  </message>
+  <message>
+   <source>A long flat stretch means that nothing more is to be gained for a while: good values of tau lie at its left end. Red dots mark the steps that pay off most, the largest fall of the detour (on a logarithmic scale) for what they cost more.</source>
+   <translation>Ein langes flaches Stück heißt, dass eine Weile lang nichts mehr zu gewinnen ist: Gute Werte von tau liegen an seinem linken Ende. Rote Punkte zeigen die Stufen, die sich am meisten lohnen: Dort sinkt der Umweg (logarithmisch) am stärksten für das, was sie mehr kosten.</translation>
+  </message>
+  <message>
    <source>A page with a plot for each feature and the steps that pay off most.</source>
    <translation>Eine Seite mit einem Diagramm für jedes Objekt und den Stufen, die sich am meisten lohnen.</translation>
   </message>
   <message>
    <source>A page with the cost by part, the classes before and after, and the areas above half of the minimum size that lost their class.</source>
    <translation>Eine Seite mit den Kosten nach Bestandteilen, den Klassen vorher und nachher und den Flächen über der halben Mindestgröße, die ihre Klasse verloren haben.</translation>
+  </message>
+  <message>
+   <source>A result{} could not be written (is the disk full, or a value too long or unknown to the format?): {}</source>
+   <translation>Ein Ergebnis{} konnte nicht geschrieben werden (ist der Datenträger voll, oder ein Wert zu lang oder dem Format unbekannt?): {}</translation>
+  </message>
+  <message>
+   <source>A table of class distances (DISTANCES) is needed, or another way to measure them.</source>
+   <translation>Es fehlt eine Tabelle der Klassenabstände (DISTANCES); sonst wählen Sie eine andere Art, sie zu messen.</translation>
   </message>
   <message>
    <source>A table of neighbouring pieces a and b, the length of their shared boundary in metres, and virtual: 1 for a cut between two pieces of one area.</source>
@@ -274,6 +294,14 @@
   <message>
    <source>Aggregate areas</source>
    <translation>Flächen zusammenfassen</translation>
+  </message>
+  <message>
+   <source>Aggregating {} ({})</source>
+   <translation>Zusammenfassen: {} ({})</translation>
+  </message>
+  <message>
+   <source>Aggregation of {}</source>
+   <translation>Zusammenfassung von {}</translation>
   </message>
   <message>
    <source>All candidate diagonals</source>
@@ -336,6 +364,14 @@
    <translation>Flächen</translation>
   </message>
   <message>
+   <source>Areas above half of the minimum size of their class, and how many of them lost it (by more than half of their size).</source>
+   <translation>Flächen über der halben Mindestgröße ihrer Klasse, und wie viele von ihnen sie (mit mehr als der halben Fläche) verloren haben.</translation>
+  </message>
+  <message>
+   <source>Areas before, regions after, with their sizes in hectares.</source>
+   <translation>Flächen vorher, Regionen nachher, mit ihrer Größe in Hektar.</translation>
+  </message>
+  <message>
    <source>Areas that fill a map, or the pieces of Prepare areas for aggregation.</source>
    <translation>Flächen, die eine Karte füllen, oder die Stücke von „Flächen für die Zusammenfassung vorbereiten“.</translation>
   </message>
@@ -346,6 +382,10 @@
   <message>
    <source>BSD</source>
    <translation>BSD</translation>
+  </message>
+  <message>
+   <source>Before: every area a region of its own. The share is that of the cost after.</source>
+   <translation>Vorher: jede Fläche als eigene Region. Der Anteil bezieht sich auf die Kosten nachher.</translation>
   </message>
   <message>
    <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels without this cut do not have them. Neighbours in the layer do not get them.</source>
@@ -392,12 +432,20 @@
    <translation>Feld der Klasse</translation>
   </message>
   <message>
+   <source>Classes</source>
+   <translation>Klassen</translation>
+  </message>
+  <message>
    <source>Classes that may not appear in the result, separated by commas.</source>
    <translation>Klassen, die im Ergebnis nicht vorkommen dürfen, durch Kommas getrennt.</translation>
   </message>
   <message>
    <source>Copy the command</source>
    <translation>Befehl kopieren</translation>
+  </message>
+  <message>
+   <source>Cost</source>
+   <translation>Kosten</translation>
   </message>
   <message>
    <source>Cost of all solutions</source>
@@ -414,6 +462,10 @@
   <message>
    <source>Cost of class change</source>
    <translation>Kosten des Klassenwechsels</translation>
+  </message>
+  <message>
+   <source>Cost over tau</source>
+   <translation>Kosten über tau</translation>
   </message>
   <message>
    <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % of the area changed its class.</source>
@@ -452,8 +504,16 @@
    <translation>Umwegkurve</translation>
   </message>
   <message>
+   <source>Detour trade-off of {}</source>
+   <translation>Umweg und Kosten: {}</translation>
+  </message>
+  <message>
    <source>Distance of classes</source>
    <translation>Abstand der Klassen</translation>
+  </message>
+  <message>
+   <source>Each curve shows, for every value of tau, the least cost ({}) that keeps all detours within it ({}).</source>
+   <translation>Jede Kurve zeigt für jeden Wert von tau die geringsten Kosten ({}), mit denen kein Umweg größer bleibt ({}).</translation>
   </message>
   <message>
    <source>Enlarge a region in context</source>
@@ -480,12 +540,20 @@
    <translation>Ausgeschlossene Klassen</translation>
   </message>
   <message>
+   <source>Feature {}</source>
+   <translation>Objekt {}</translation>
+  </message>
+  <message>
    <source>Feature {} has a latitude beyond 90 degrees. Its coordinates are taken as those of a plane. Is the CRS of the layer right?</source>
    <translation>Objekt {} hat eine Breite jenseits von 90 Grad. Seine Koordinaten gelten als die einer Ebene. Stimmt das KBS des Layers?</translation>
   </message>
   <message>
    <source>Feature {} has no curve: {}.</source>
    <translation>Objekt {} hat keine Kurve: {}.</translation>
+  </message>
+  <message>
+   <source>Feature {} of {} has no place in the CRS of the map ({}). Is the CRS of {} right?</source>
+   <translation>Objekt {} von {} hat keinen Ort im KBS der Karte ({}). Stimmt das KBS von {}?</translation>
   </message>
   <message>
    <source>Feature {} was not cut: {}.</source>
@@ -514,6 +582,10 @@
   <message>
    <source>Find the cuts</source>
    <translation>Schnitte suchen</translation>
+  </message>
+  <message>
+   <source>Finding shared boundaries</source>
+   <translation>Suche gemeinsame Grenzen</translation>
   </message>
   <message>
    <source>Focus map</source>
@@ -604,6 +676,10 @@
    <translation>Im Ordner: {names}</translation>
   </message>
   <message>
+   <source>In the window of QGIS, Plugins &gt; Isthmus &gt; Install packages does it. Or run this {}, then restart QGIS: {} ({}the last word keeps QGIS's own numpy)</source>
+   <translation>Im Fenster von QGIS geht das über Erweiterungen &gt; Isthmus &gt; Pakete installieren. Oder führen Sie {} diesen Befehl aus und starten dann QGIS neu: {} ({}das letzte Wort bewahrt das numpy von QGIS)</translation>
+  </message>
+  <message>
    <source>Install packages…</source>
    <translation>Pakete installieren…</translation>
   </message>
@@ -634,6 +710,10 @@
   <message>
    <source>It cuts all features of the layer, for the command line knows no selection.</source>
    <translation>Er zerlegt alle Objekte des Layers, denn die Kommandozeile kennt keine Auswahl.</translation>
+  </message>
+  <message>
+   <source>It has no neighbours that would make it large enough.</source>
+   <translation>Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
   </message>
   <message>
    <source>It may not be used commercially.</source>
@@ -668,8 +748,16 @@
    <translation>Bleiben, wo sie sind, da Koordinaten nicht endlich (NaN oder unendlich) oder größer als {:g} sind: Objekt {}.</translation>
   </message>
   <message>
+   <source>Lengths are in the units of the layer, or metres for degrees.</source>
+   <translation>Längen sind in den Einheiten des Layers angegeben, bei Grad in Metern.</translation>
+  </message>
+  <message>
    <source>Lines to choose the cuts from</source>
    <translation>Linien, aus denen Schnitte gewählt werden</translation>
+  </message>
+  <message>
+   <source>Lost areas</source>
+   <translation>Verlorene Flächen</translation>
   </message>
   <message>
    <source>Lower bound of the total cost (exact)</source>
@@ -704,6 +792,10 @@
    <translation>MinSize: die Anzahl der Schnitte. MinLength: ihre Gesamtlänge, was die natürlichsten Teile ergibt. MinWeight: die Summe der Gewichte, die Sie ihnen geben.</translation>
   </message>
   <message>
+   <source>MinWeight needs an expression for the weight of a candidate (WEIGHT).</source>
+   <translation>MinWeight braucht einen Ausdruck für das Gewicht eines Kandidaten (WEIGHT).</translation>
+  </message>
+  <message>
    <source>Minimum size (square metres)</source>
    <translation>Mindestgröße (Quadratmeter)</translation>
   </message>
@@ -732,6 +824,10 @@
    <translation>Keine Fläche hat eine Klasse: Es gibt nichts zusammenzufassen.</translation>
   </message>
   <message>
+   <source>No area is above half of its minimum size.</source>
+   <translation>Keine Fläche liegt über der halben Mindestgröße.</translation>
+  </message>
+  <message>
    <source>No region may have a class of the map: all of them are excluded.</source>
    <translation>Keine Region darf eine Klasse der Karte haben: alle sind ausgeschlossen.</translation>
   </message>
@@ -752,6 +848,10 @@
    <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {:.6g}</translation>
   </message>
   <message>
+   <source>No step pays off more than another.</source>
+   <translation>Keine Stufe lohnt sich mehr als eine andere.</translation>
+  </message>
+  <message>
    <source>No vertex to end a cut at: {}, edges opposite a concave corner, where the way around is more than tau times as long as the way across. Set NEW_VERTICES to cut there.</source>
    <translation>Kein Stützpunkt, an dem ein Schnitt enden könnte: {}, Kanten gegenüber einer einspringenden Ecke, wo der Weg herum mehr als tau-mal so lang ist wie der Weg hinüber. Setzen Sie NEW_VERTICES, um dort zu schneiden.</translation>
   </message>
@@ -762,6 +862,10 @@
   <message>
    <source>Not everything can be cut: {reasons}</source>
    <translation>Nicht alles lässt sich zerlegen: {reasons}</translation>
+  </message>
+  <message>
+   <source>Not everything could be written to {}. Is the disk full? Some formats also drop features without geometry; a GeoPackage keeps them.</source>
+   <translation>Nicht alles konnte nach {} geschrieben werden. Ist der Datenträger voll? Manche Formate verwerfen auch Objekte ohne Geometrie; ein GeoPackage behält sie.</translation>
   </message>
   <message>
    <source>Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours may be wrong. Run Fix geometries on the layer first.</source>
@@ -856,6 +960,10 @@
    <translation>Nur die Stufe mit so vielen Teilen</translation>
   </message>
   <message>
+   <source>PARTS must be a whole number of at least 1, and is {:g}</source>
+   <translation>PARTS muss eine ganze Zahl ab 1 sein und ist {:g}</translation>
+  </message>
+  <message>
    <source>Parameters</source>
    <translation>Parameter</translation>
   </message>
@@ -904,16 +1012,16 @@
    <translation>Bewiesene untere Schranke der Kosten</translation>
   </message>
   <message>
+   <source>Reading the areas</source>
+   <translation>Lese die Flächen</translation>
+  </message>
+  <message>
    <source>Region to enlarge</source>
    <translation>Region, die vergrößert wird</translation>
   </message>
   <message>
    <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}.</source>
    <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}.</translation>
-  </message>
-  <message>
-   <source>It has no neighbours that would make it large enough.</source>
-   <translation>Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
   </message>
   <message>
    <source>Regions</source>
@@ -1024,12 +1132,24 @@
    <translation>Schritte der Abkühlung (0: 10.000 je Fläche)</translation>
   </message>
   <message>
+   <source>Stopped. Nothing was changed.</source>
+   <translation>Abgebrochen. Es wurde nichts geändert.</translation>
+  </message>
+  <message>
+   <source>TAU_MAX must be 0 or at least TAU_MIN ({:g}), and is {:g}.</source>
+   <translation>TAU_MAX muss 0 oder mindestens TAU_MIN ({:g}) sein und ist {:g}.</translation>
+  </message>
+  <message>
    <source>Table of class distances</source>
    <translation>Tabelle der Klassenabstände</translation>
   </message>
   <message>
    <source>The Python package {} is faster.</source>
    <translation>Das Python-Paket {} ist schneller.</translation>
+  </message>
+  <message>
+   <source>The areas have no field {!r} ({}). Their fields are: {}.</source>
+   <translation>Die Flächen haben kein Feld {!r} ({}). Ihre Felder sind: {}.</translation>
   </message>
   <message>
    <source>The areas of a map, which fill it without overlaps and gaps.</source>
@@ -1044,6 +1164,10 @@
    <translation>Der Befehl ist in der Zwischenablage.</translation>
   </message>
   <message>
+   <source>The costs of {} cannot be computed: up to {:g}, they are too large. Give a smaller weight (or class distances), and see that no area is far away by mistake.</source>
+   <translation>Die Kosten „{}“ lassen sich nicht berechnen: Mit bis zu {:g} sind sie zu groß. Geben Sie ein kleineres Gewicht (oder kleinere Klassenabstände) an, und sehen Sie nach, ob eine Fläche versehentlich weit entfernt liegt.</translation>
+  </message>
+  <message>
    <source>The curve ends after so many steps, though the smallest tau may not be reached.</source>
    <translation>Die Kurve endet nach so vielen Stufen, auch wenn das kleinste tau noch nicht erreicht ist.</translation>
   </message>
@@ -1056,8 +1180,20 @@
    <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), den Teilen auf beiden Seiten (part_a, part_b; gleich, wo ein Schnitt nur ein Loch anschließt) und share (die kleinere Seite in Prozent der Fläche des Objekts; leer, wo das nicht gemessen wurde).</translation>
   </message>
   <message>
+   <source>The distance from {} to {}</source>
+   <translation>Der Abstand von {} zu {}</translation>
+  </message>
+  <message>
    <source>The excluded class {} is not on the map.</source>
    <translation>Die ausgeschlossene Klasse {} kommt auf der Karte nicht vor.</translation>
+  </message>
+  <message>
+   <source>The expression for the weight (WEIGHT) is not valid: {}</source>
+   <translation>Der Ausdruck für das Gewicht (WEIGHT) ist ungültig: {}</translation>
+  </message>
+  <message>
+   <source>The expression for the weight (WEIGHT) uses an unknown field: {}.</source>
+   <translation>Der Ausdruck für das Gewicht (WEIGHT) enthält ein unbekanntes Feld: {}.</translation>
   </message>
   <message>
    <source>The field that is equal for the pieces of one area. Default: area_id, if there are fields area_id and piece.</source>
@@ -1084,6 +1220,10 @@
    <translation>Die größte Anzahl von Schnitten (MinSize), Gesamtlänge (MinLength) oder Summe der Gewichte (MinWeight) für jedes Objekt; Längen in den Einheiten des Layers, oder in Metern, wenn seine Koordinaten Grad sind. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
+   <source>The layer of the region to enlarge has no polygons whose coordinates are finite.</source>
+   <translation>Der Layer der zu vergrößernden Region hat keine Polygone mit endlichen Koordinaten.</translation>
+  </message>
+  <message>
    <source>The layers could not be written.</source>
    <translation>Die Layer konnten nicht geschrieben werden.</translation>
   </message>
@@ -1092,8 +1232,16 @@
    <translation>Die Karte wird um {:.0f} % breiter und um {:.0f} % höher.</translation>
   </message>
   <message>
+   <source>The map has no features with a geometry that can be moved.</source>
+   <translation>Die Karte hat keine Objekte, deren Geometrie sich verschieben lässt.</translation>
+  </message>
+  <message>
    <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
    <translation>Die Karte ist in Grad ({}). Gerechnet wird in der mittabstandstreuen Zylinderprojektion mit wahren Längen bei der Breite {:.1f}; das Ergebnis ist in Grad.</translation>
+  </message>
+  <message>
+   <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>
+   <translation>Die Karte würde über den Globus hinauswachsen. Behalten Sie ihre Ausdehnung bei (Rahmen einschalten).</translation>
   </message>
   <message>
    <source>The number of regions is not used by the exact method.</source>
@@ -1116,8 +1264,36 @@
    <translation>Die relevanten Kanten, wo sie in der Fokuskarte liegen: kind (selected: gewählt, given: gegeben, join: Verbindung zwischen Inseln), length (Länge vorher) und stretch (Länge nachher durch Länge vorher).</translation>
   </message>
   <message>
+   <source>The report could not be written: {}</source>
+   <translation>Der Bericht konnte nicht geschrieben werden: {}</translation>
+  </message>
+  <message>
+   <source>The steps that pay off most: the tau to set, and what it gives.</source>
+   <translation>Die Stufen, die sich am meisten lohnen: das einzustellende tau, und was es ergibt.</translation>
+  </message>
+  <message>
+   <source>The table of class distances (DISTANCES) knows nothing of class {}, which is on the map. Add rows from this class to the others.</source>
+   <translation>Die Tabelle der Klassenabstände (DISTANCES) kennt die Klasse {} nicht, die in der Karte vorkommt. Ergänzen Sie Zeilen von dieser Klasse zu den anderen.</translation>
+  </message>
+  <message>
+   <source>The table of class distances (DISTANCES) lacks {} pairs of classes that are on the map: {}. Add rows for them.</source>
+   <translation>In der Tabelle der Klassenabstände (DISTANCES) fehlen {} Paare von Klassen, die in der Karte vorkommen: {}. Ergänzen Sie Zeilen für sie.</translation>
+  </message>
+  <message>
+   <source>The table {} has no field {}. It has: {}.</source>
+   <translation>Die Tabelle {} hat kein Feld {}. Sie hat: {}.</translation>
+  </message>
+  <message>
+   <source>The threshold of class {}</source>
+   <translation>Die Mindestgröße der Klasse {}</translation>
+  </message>
+  <message>
    <source>The time was over. {}</source>
    <translation>Die Zeit war um. {}</translation>
+  </message>
+  <message>
+   <source>There is no wheel of {} for Python {} on {} with numpy {}. A newer QGIS may have one.</source>
+   <translation>Es gibt kein fertiges Paket (Wheel) von {} für Python {} auf {} mit numpy {}. Für ein neueres QGIS gibt es vielleicht eines.</translation>
   </message>
   <message>
    <source>These Python packages are missing in QGIS. A click fetches them from pypi.org and puts them into the folder {folder}, which Isthmus alone adds to QGIS. The packages of QGIS, numpy above all, stay as they are.</source>
@@ -1126,6 +1302,10 @@
   <message>
    <source>They are in use, and go when QGIS starts again.</source>
    <translation>Sie sind in Gebrauch und verschwinden, wenn QGIS neu startet.</translation>
+  </message>
+  <message>
+   <source>This tool needs the Python package scipy. {}; on Debian and Ubuntu: apt install python3-scipy</source>
+   <translation>Dieses Werkzeug braucht das Python-Paket scipy. {}; unter Debian und Ubuntu: apt install python3-scipy</translation>
   </message>
   <message>
    <source>Time (seconds)</source>
@@ -1184,6 +1364,10 @@
    <translation>Gewichte</translation>
   </message>
   <message>
+   <source>Weights: class change {}, boundary {}, centre distance {}.</source>
+   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Abstand vom Zentrum {}.</translation>
+  </message>
+  <message>
    <source>What to minimize: number or length of cuts</source>
    <translation>Was minimiert wird: Anzahl oder Länge der Schnitte</translation>
   </message>
@@ -1228,12 +1412,24 @@
    <translation>Ihre eigenen relevanten Kanten, etwa die Schnitte des Werkzeugs zur Zerlegung: Linien zwischen Punkten der Karte. Gibt es keine, findet das Werkzeug sie nach der Regel unten.</translation>
   </message>
   <message>
+   <source>a ring has fewer than three distinct vertices</source>
+   <translation>ein Ring hat weniger als drei verschiedene Stützpunkte</translation>
+  </message>
+  <message>
    <source>about {size}</source>
    <translation>etwa {size}</translation>
   </message>
   <message>
+   <source>after</source>
+   <translation>nachher</translation>
+  </message>
+  <message>
    <source>all tools need it</source>
    <translation>alle Werkzeuge brauchen es</translation>
+  </message>
+  <message>
+   <source>an end is not a vertex of a polygon</source>
+   <translation>ein Ende ist kein Stützpunkt eines Polygons</translation>
   </message>
   <message>
    <source>annealing: run this long instead of a number of steps; then two runs may differ. exact: the time limit, 60 if 0.</source>
@@ -1244,8 +1440,40 @@
    <translation>Fläche</translation>
   </message>
   <message>
+   <source>area {}</source>
+   <translation>Fläche {}</translation>
+  </message>
+  <message>
    <source>areas</source>
    <translation>Flächen</translation>
+  </message>
+  <message>
+   <source>before</source>
+   <translation>vorher</translation>
+  </message>
+  <message>
+   <source>boundary length</source>
+   <translation>Grenzlänge</translation>
+  </message>
+  <message>
+   <source>centre distance</source>
+   <translation>Abstand vom Zentrum</translation>
+  </message>
+  <message>
+   <source>class</source>
+   <translation>Klasse</translation>
+  </message>
+  <message>
+   <source>class change</source>
+   <translation>Klassenwechsel</translation>
+  </message>
+  <message>
+   <source>coordinates are not finite (NaN or infinity)</source>
+   <translation>Koordinaten sind nicht endlich (NaN oder unendlich)</translation>
+  </message>
+  <message>
+   <source>core outside</source>
+   <translation>der Kern liegt außerhalb</translation>
   </message>
   <message>
    <source>cut</source>
@@ -1264,6 +1492,18 @@
    <translation>Diagonalen</translation>
   </message>
   <message>
+   <source>empty geometry</source>
+   <translation>leere Geometrie</translation>
+  </message>
+  <message>
+   <source>en</source>
+   <translation>de</translation>
+  </message>
+  <message>
+   <source>enlarged {:.10g} times, the focus is larger than the frame, which leaves room for a scale of {:g}. Choose a smaller scale, or let the map grow</source>
+   <translation>auf das {:.10g}-Fache vergrößert ist die Region größer als der Rahmen, der höchstens den Faktor {:g} zulässt. Wählen Sie einen kleineren Faktor, oder lassen Sie die Karte wachsen</translation>
+  </message>
+  <message>
    <source>equal: every change counts 1. code: hierarchical codes such as CORINE's; the share of the digits from the first differing one on (311 to 312: 1/3). table: from a table.</source>
    <translation>equal (gleich): Jeder Wechsel zählt 1. code: hierarchische Codes wie die von CORINE; der Anteil der Ziffern ab der ersten verschiedenen (311 zu 312: 1/3). table: aus einer Tabelle.</translation>
   </message>
@@ -1272,12 +1512,24 @@
    <translation>exakte Flächenaggregation und Fokuskarten</translation>
   </message>
   <message>
+   <source>excluded class</source>
+   <translation>ausgeschlossene Klasse</translation>
+  </message>
+  <message>
+   <source>face {} between the lines</source>
+   <translation>Masche {} zwischen den Linien</translation>
+  </message>
+  <message>
    <source>faster triangulation, and focus maps</source>
    <translation>schnellere Triangulation, und Fokuskarten</translation>
   </message>
   <message>
    <source>feature</source>
    <translation>Objekt</translation>
+  </message>
+  <message>
+   <source>feature {}</source>
+   <translation>Objekt {}</translation>
   </message>
   <message>
    <source>features</source>
@@ -1292,6 +1544,10 @@
    <translation>Lücken</translation>
   </message>
   <message>
+   <source>goes on</source>
+   <translation>geht weiter</translation>
+  </message>
+  <message>
    <source>greedy: quick. annealing: better the longer it runs. exact: best, for small maps.</source>
    <translation>greedy: schnell. annealing: um so besser, je länger es läuft. exact: am besten, für kleine Karten.</translation>
   </message>
@@ -1304,6 +1560,14 @@
    <translation>Löcher</translation>
   </message>
   <message>
+   <source>in a terminal</source>
+   <translation>in einem Terminal</translation>
+  </message>
+  <message>
+   <source>in the OSGeo4W Shell</source>
+   <translation>in der OSGeo4W-Shell</translation>
+  </message>
+  <message>
    <source>independent part</source>
    <translation>unabhängiger Teil</translation>
   </message>
@@ -1312,8 +1576,72 @@
    <translation>unabhängige Teile</translation>
   </message>
   <message>
+   <source>invalid geometry: {}</source>
+   <translation>ungültige Geometrie: {}</translation>
+  </message>
+  <message>
+   <source>it crosses the shorter line {}</source>
+   <translation>sie kreuzt die kürzere Linie {}</translation>
+  </message>
+  <message>
+   <source>it has coordinates that are not finite, or larger than {:g}</source>
+   <translation>sie hat Koordinaten, die nicht endlich oder größer als {:g} sind</translation>
+  </message>
+  <message>
+   <source>it has no class</source>
+   <translation>sie hat keine Klasse</translation>
+  </message>
+  <message>
+   <source>it has no geometry</source>
+   <translation>die Geometrie fehlt</translation>
+  </message>
+  <message>
+   <source>it has no polygon</source>
+   <translation>ohne Polygon</translation>
+  </message>
+  <message>
+   <source>it is empty</source>
+   <translation>die Geometrie ist leer</translation>
+  </message>
+  <message>
+   <source>it is not one straight line between two points</source>
+   <translation>sie ist keine gerade Linie zwischen zwei Punkten</translation>
+  </message>
+  <message>
+   <source>it is too fine to be checked</source>
+   <translation>zu fein, um geprüft zu werden</translation>
+  </message>
+  <message>
+   <source>it leaves its polygon</source>
+   <translation>sie verlässt ihr Polygon</translation>
+  </message>
+  <message>
+   <source>it must be a number of at least 0</source>
+   <translation>es muss eine Zahl ab 0 sein</translation>
+  </message>
+  <message>
+   <source>it repeats line {}</source>
+   <translation>sie wiederholt Linie {}</translation>
+  </message>
+  <message>
+   <source>it touches the boundary between its ends</source>
+   <translation>sie berührt den Rand zwischen ihren Enden</translation>
+  </message>
+  <message>
+   <source>its class is excluded, and no other is possible here</source>
+   <translation>ihre Klasse ist ausgeschlossen, und keine andere ist hier möglich</translation>
+  </message>
+  <message>
    <source>keep classes: as little as possible changes its class. compact: short boundaries, and areas near their region's core. balanced: between both.</source>
    <translation>keep classes: Möglichst wenig wechselt die Klasse. compact: kurze Grenzen, und Flächen nah am Kern ihrer Region. balanced: dazwischen.</translation>
+  </message>
+  <message>
+   <source>largest part</source>
+   <translation>größter Teil</translation>
+  </message>
+  <message>
+   <source>length of the cuts</source>
+   <translation>Länge der Schnitte</translation>
   </message>
   <message>
    <source>level</source>
@@ -1324,8 +1652,32 @@
    <translation>Ebenen</translation>
   </message>
   <message>
+   <source>line {}</source>
+   <translation>Linie {}</translation>
+  </message>
+  <message>
+   <source>lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})</source>
+   <translation>Linien der Karte liegen zu dicht beieinander, um ohne Falte verschoben zu werden, nahe ({:g} {:g})</translation>
+  </message>
+  <message>
+   <source>lost</source>
+   <translation>verloren</translation>
+  </message>
+  <message>
+   <source>most of its lines are no longer than a point</source>
+   <translation>sind die meisten ihrer Linien nicht länger als ein Punkt</translation>
+  </message>
+  <message>
+   <source>not contiguous</source>
+   <translation>nicht zusammenhängend</translation>
+  </message>
+  <message>
    <source>not for commercial use</source>
    <translation>nicht für kommerzielle Nutzung</translation>
+  </message>
+  <message>
+   <source>number of cuts</source>
+   <translation>Anzahl der Schnitte</translation>
   </message>
   <message>
    <source>pair</source>
@@ -1344,12 +1696,20 @@
    <translation>Teile</translation>
   </message>
   <message>
+   <source>parts of the focus are one point</source>
+   <translation>fallen Teile der Region in einen Punkt</translation>
+  </message>
+  <message>
    <source>place</source>
    <translation>Stelle</translation>
   </message>
   <message>
    <source>places</source>
    <translation>Stellen</translation>
+  </message>
+  <message>
+   <source>polygon {}</source>
+   <translation>Polygon {}</translation>
   </message>
   <message>
    <source>programme</source>
@@ -1364,12 +1724,28 @@
    <translation>Region</translation>
   </message>
   <message>
+   <source>region {}</source>
+   <translation>Region {}</translation>
+  </message>
+  <message>
    <source>regions</source>
    <translation>Regionen</translation>
   </message>
   <message>
    <source>regions: between all regions. classes: only between regions of different class.</source>
    <translation>regions: zwischen allen Regionen. classes: nur zwischen Regionen verschiedener Klasse.</translation>
+  </message>
+  <message>
+   <source>shapely 2 is needed, and {} is installed</source>
+   <translation>shapely 2 wird gebraucht, und {} ist installiert</translation>
+  </message>
+  <message>
+   <source>share</source>
+   <translation>Anteil</translation>
+  </message>
+  <message>
+   <source>some coordinates are not finite (NaN or infinity)</source>
+   <translation>einige Koordinaten sind nicht endlich (NaN oder unendlich)</translation>
   </message>
   <message>
    <source>tau = {tau:g}</source>
@@ -1380,8 +1756,132 @@
    <translation>tau = {tau:g}: {parts} Teile, {cuts} Schnitte</translation>
   </message>
   <message>
+   <source>tau must be a number from 1 to below {:g}, and is {:g}</source>
+   <translation>tau muss eine Zahl von 1 bis unter {:g} sein und ist {:g}</translation>
+  </message>
+  <message>
+   <source>tau must be a number of at least 1, and is {:g}</source>
+   <translation>tau muss eine Zahl ab 1 sein und ist {:g}</translation>
+  </message>
+  <message>
+   <source>tau: largest detour allowed</source>
+   <translation>tau: größter erlaubter Umweg</translation>
+  </message>
+  <message>
+   <source>the Python package shapely is missing</source>
+   <translation>das Python-Paket shapely fehlt</translation>
+  </message>
+  <message>
+   <source>the budget must be a number of at least 0, and is {:g}</source>
+   <translation>das Budget muss eine Zahl ab 0 sein und ist {:g}</translation>
+  </message>
+  <message>
+   <source>the budget of {:g} cannot be met: the least possible cost is {:.12g}, for the cuts that connect holes</source>
+   <translation>das Budget von {:g} reicht nicht: Die geringsten möglichen Kosten sind {:.12g}, für die Schnitte, die Löcher anschließen</translation>
+  </message>
+  <message>
+   <source>the candidate diagonals do not connect {} of {} holes to the rest</source>
+   <translation>die Kandidaten verbinden {} von {} Löchern nicht mit dem Rest</translation>
+  </message>
+  <message>
+   <source>the coordinates are too large: they reach from {} to {}</source>
+   <translation>die Koordinaten sind zu groß: sie reichen von {} bis {}</translation>
+  </message>
+  <message>
+   <source>the environment variable {} asks for {!r}, which is not installed</source>
+   <translation>die Umgebungsvariable {} verlangt {!r}, das nicht installiert ist</translation>
+  </message>
+  <message>
+   <source>the exact method needs the solver HiGHS from the Python package scipy, 1.9 or newer</source>
+   <translation>das exakte Verfahren braucht den Löser HiGHS aus dem Python-Paket scipy, 1.9 oder neuer</translation>
+  </message>
+  <message>
+   <source>the focus covers all of the input, so nothing can make room for it. Choose a smaller focus, or let the map grow</source>
+   <translation>die Region bedeckt die ganze Karte, so dass nichts Platz machen kann. Wählen Sie eine kleinere Region, oder lassen Sie die Karte wachsen</translation>
+  </message>
+  <message>
+   <source>the focus has no area</source>
+   <translation>die Region hat keine Fläche</translation>
+  </message>
+  <message>
+   <source>the focus is empty</source>
+   <translation>die Region ist leer</translation>
+  </message>
+  <message>
+   <source>the focus lies between lines that leave no room in it. Choose a larger region</source>
+   <translation>die Region liegt zwischen Linien, die in ihr keinen Platz lassen. Wählen Sie eine größere Region</translation>
+  </message>
+  <message>
+   <source>the focus touches nothing: no vertex, line or polygon of the input lies in it. Are the CRS of both layers right?</source>
+   <translation>die Region berührt nichts: Kein Stützpunkt, keine Linie und kein Polygon der Karte liegt in ihr. Stimmen die KBS beider Layer?</translation>
+  </message>
+  <message>
+   <source>the input has no coordinates</source>
+   <translation>die Karte hat keine Koordinaten</translation>
+  </message>
+  <message>
+   <source>the input {}</source>
+   <translation>die Eingabe {}</translation>
+  </message>
+  <message>
+   <source>the map could not be solved: some positions are not finite numbers</source>
+   <translation>die Karte war nicht lösbar: einige Positionen sind keine endlichen Zahlen</translation>
+  </message>
+  <message>
+   <source>the map could not be triangulated (too fine for double precision)</source>
+   <translation>die Karte konnte nicht trianguliert werden (zu fein für doppelte Genauigkeit)</translation>
+  </message>
+  <message>
+   <source>the map reaches as far as ({:g} {:g}), and compared with that, {}. Is this coordinate right?</source>
+   <translation>die Karte reicht bis ({:g} {:g}), und damit verglichen {}. Stimmt diese Koordinate?</translation>
+  </message>
+  <message>
+   <source>the package pythoncdt or triangle, or shapely 2.1 instead of {}, is needed</source>
+   <translation>das Paket pythoncdt oder triangle wird gebraucht, oder shapely 2.1 statt {}</translation>
+  </message>
+  <message>
+   <source>the polygon could not be triangulated (too fine for double precision)</source>
+   <translation>das Polygon konnte nicht trianguliert werden (zu fein für doppelte Genauigkeit)</translation>
+  </message>
+  <message>
+   <source>the result {}</source>
+   <translation>das Ergebnis {}</translation>
+  </message>
+  <message>
+   <source>the rings could not be connected (their touching is ambiguous)</source>
+   <translation>die Ringe konnten nicht verbunden werden (wie sie sich berühren, ist nicht eindeutig)</translation>
+  </message>
+  <message>
+   <source>the scale must be a number above 0, and is {:g}</source>
+   <translation>der Vergrößerungsfaktor muss eine Zahl über 0 sein und ist {:g}</translation>
+  </message>
+  <message>
+   <source>the weight of candidate {} cannot be used: {}</source>
+   <translation>das Gewicht des Kandidaten {} ist nicht verwendbar: {}</translation>
+  </message>
+  <message>
+   <source>there is no room for a scale of {:.10g}: it ends at {:g}. Choose a smaller scale, a larger map around the region, or let the map grow</source>
+   <translation>für den Faktor {:.10g} ist kein Platz: bei {:g} ist Schluss. Wählen Sie einen kleineren Faktor, eine größere Karte um die Region, oder lassen Sie die Karte wachsen</translation>
+  </message>
+  <message>
+   <source>too small</source>
+   <translation>zu klein</translation>
+  </message>
+  <message>
+   <source>total</source>
+   <translation>gesamt</translation>
+  </message>
+  <message>
+   <source>triangle's licence does not allow commercial use: leave it out then; </source>
+   <translation>die Lizenz von triangle erlaubt keine kommerzielle Nutzung: lassen Sie es dann weg; </translation>
+  </message>
+  <message>
    <source>triangulation, and focus maps</source>
    <translation>Triangulation und Fokuskarten</translation>
+  </message>
+  <message>
+   <source>weight</source>
+   <translation>Gewicht</translation>
   </message>
   <message>
    <source>{lists}</source>
@@ -1396,12 +1896,24 @@
    <translation>{wanted} Teile jedes Objekts: {parts} Teile, {cuts} Schnitte</translation>
   </message>
   <message>
+   <source>{} (feature {})</source>
+   <translation>{} (Objekt {})</translation>
+  </message>
+  <message>
    <source>{} (gap {:.2f} %; {}, {} solved).</source>
    <translation>{} (Lücke {:.2f} %; {}; gelöst: {}).</translation>
   </message>
   <message>
    <source>{} and {}</source>
    <translation>{} und {}</translation>
+  </message>
+  <message>
+   <source>{} cannot be reached: {}. Nothing was changed. Is there a network, and has QGIS its proxy (Settings, Options, Network)?</source>
+   <translation>{} ist nicht erreichbar: {}. Es wurde nichts geändert. Gibt es ein Netz, und kennt QGIS den Proxy (Einstellungen, Optionen, Netzwerk)?</translation>
+  </message>
+  <message>
+   <source>{} cannot be written: {}</source>
+   <translation>{} kann nicht geschrieben werden: {}</translation>
   </message>
   <message>
    <source>{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU gives more cuts to choose from.</source>
@@ -1412,16 +1924,60 @@
    <translation>{} Entfernungen von Klassen sind nur in einer Richtung angegeben; in der anderen gelten sie als gleich.</translation>
   </message>
   <message>
+   <source>{} could not be written to {} as a whole. Is the disk full?</source>
+   <translation>{} konnte nicht vollständig nach {} geschrieben werden. Ist der Datenträger voll?</translation>
+  </message>
+  <message>
    <source>{} features, {} points.</source>
    <translation>{} Objekte, {} Punkte.</translation>
+  </message>
+  <message>
+   <source>{} has come damaged: its checksum is wrong. Nothing was changed. Try again.</source>
+   <translation>{} kam beschädigt an: die Prüfsumme stimmt nicht. Es wurde nichts geändert. Versuchen Sie es noch einmal.</translation>
   </message>
   <message>
    <source>{} in at most {} of a feature, made by {}.</source>
    <translation>{} in höchstens {} je Objekt, durch {}.</translation>
   </message>
   <message>
+   <source>{} in {}, by {}.</source>
+   <translation>{} in {}, Verfahren: {}.</translation>
+  </message>
+  <message>
    <source>{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours there.</source>
    <translation>{} ohne Fläche in der Karte, bei {}{}. Flächen beiderseits einer Lücke sind dort keine Nachbarn.</translation>
+  </message>
+  <message>
+   <source>{} is no number of at least 0: {}.</source>
+   <translation>{} ist keine Zahl ab 0: {}.</translation>
+  </message>
+  <message>
+   <source>{} is not as expected, and was not unpacked.</source>
+   <translation>{} ist nicht wie erwartet und wurde nicht ausgepackt.</translation>
+  </message>
+  <message>
+   <source>{} must be a number from 0 on, and is {:g}</source>
+   <translation>{} muss eine Zahl ab 0 sein und ist {:g}</translation>
+  </message>
+  <message>
+   <source>{} must be a number of at least {:g}, and is {:g}.</source>
+   <translation>{} muss eine Zahl ab {:g} sein und ist {:g}.</translation>
+  </message>
+  <message>
+   <source>{} must be a number, and is {!r}.</source>
+   <translation>{} muss eine Zahl sein und ist {!r}.</translation>
+  </message>
+  <message>
+   <source>{} must be at most {:g}, and is {:g}.</source>
+   <translation>{} darf höchstens {:g} sein und ist {:g}.</translation>
+  </message>
+  <message>
+   <source>{} must be one of {} (or its number, 0 to {}), and is {!r}.</source>
+   <translation>{} muss eines von {} sein (oder dessen Nummer, 0 bis {}) und ist {!r}.</translation>
+  </message>
+  <message>
+   <source>{} must not be negative, and is {:g}.</source>
+   <translation>{} darf nicht negativ sein und ist {:g}.</translation>
   </message>
   <message>
    <source>{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part twice.</source>
@@ -1444,6 +2000,14 @@
    <translation>{} kleiner als 1 Prozent des Objekts.</translation>
   </message>
   <message>
+   <source>{} would overwrite {}: both are {}. Choose another file{}.</source>
+   <translation>{} würde {} überschreiben: beide sind {}. Wählen Sie eine andere Datei{}.</translation>
+  </message>
+  <message>
+   <source>{} {} is in {}</source>
+   <translation>{} {} liegt in {}</translation>
+  </message>
+  <message>
    <source>{} {} of {}</source>
    <translation>{} {} von {}</translation>
   </message>
@@ -1452,8 +2016,16 @@
    <translation>{}, durch {} von insgesamt {}. Der größte verbliebene Umweg ist {:.4g}.</translation>
   </message>
   <message>
+   <source>{}, {:.1f} MB, from {}</source>
+   <translation>{}, {:.1f} MB, von {}</translation>
+  </message>
+  <message>
    <source>{}: features {}{} have no place in the CRS of the map, and are carried without a geometry.</source>
    <translation>{}: Die Objekte {}{} haben im KBS der Karte keinen Ort und werden ohne Geometrie übernommen.</translation>
+  </message>
+  <message>
+   <source>{}: {}</source>
+   <translation>{}: {}</translation>
   </message>
  </context>
 </TS>

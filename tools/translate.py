@@ -2,7 +2,7 @@
 
 Collects what the tools and the window say through tr(), by letting them say it, and keeps i18n/isthmus_de.ts, which Qt
 Linguist opens, up to date: new texts come in as unfinished, old ones go. With ``--check`` nothing is written, and
-what is missing is told. `compiled` makes of it what Qt reads, when the zip is made (tools/release.py).
+what is missing is told, texts of the code that would reach a user in English only among it. `compiled` makes of it what Qt reads, when the zip is made (tools/release.py).
 """
 
 import ast
@@ -17,6 +17,12 @@ ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "i18n" / "isthmus_de.ts"
 CONTEXT = "isthmus"
 MAGIC = bytes.fromhex("3cb86418caef9c95cd211cbf60a1bddd")
+# What raises a sentence for the user, and what shows one
+SAID = {"QgsProcessingException", "PackageError", "IsthmusError", "Unsolvable", "MissingEngine"}
+TELLING = {
+    "pushInfo", "pushWarning", "reportError", "setProgressText", "refuse", "append", "setText", "setToolTip",
+    "setWindowTitle", "pushMessage", "say", "appendPlainText", "QLabel", "QPushButton",
+}  # fmt: skip
 
 
 # --- the file -----------------------------------------------------------------------------------------
@@ -96,7 +102,7 @@ def faults(wanted, translations):
 
 
 def said():
-    """Return all texts that go through tr(): those of the tools as they say them, those of the window by the code."""
+    """Return all texts that are translated: those of the tools as they say them, others as they are in the code."""
     from isthmus.algorithms import packages
     from isthmus.algorithms.partition.cutting import PLACES
     from isthmus.algorithms.provider import IsthmusProvider
@@ -123,19 +129,77 @@ def said():
         for words in (fresh.displayName, fresh.shortDescription, fresh.group, fresh.shortHelpString):
             words()
     QCoreApplication.removeTranslator(listener)
-    for folder in ("gui", "algorithms"):
-        for path in (ROOT / folder).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if not isinstance(node, ast.Call) or not isinstance(
-                    node.args and node.args[-1], ast.Constant
-                ):
-                    continue
-                word = node.args[-1].value
-                if getattr(node.func, "id", "") == "tr":
-                    texts.add(word)
-                elif getattr(node.func, "id", "") == "counted":
-                    texts |= {word, f"{word}s"}
+    for _, tree in _modules():
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.Call) or not isinstance(node.args and _text_of(node), ast.Constant):
+                continue
+            word = _text_of(node).value
+            if _called(node) in ("tr", "Sentence"):
+                texts.add(word)
+            elif _called(node) == "counted":
+                texts |= {word, f"{word}s"}
     return texts
+
+
+def _modules():
+    """The modules that speak to users, with their trees."""
+    for folder in ("gui", "algorithms", "core"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            yield path.relative_to(ROOT), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _called(node):
+    return getattr(node.func, "id", getattr(node.func, "attr", "")) if isinstance(node, ast.Call) else ""
+
+
+def _text_of(node):
+    """The text among the arguments of tr(text), Sentence(text, *values) or counted(number, text)."""
+    return node.args[0 if _called(node) == "Sentence" else -1]
+
+
+def untold(modules, texts):
+    """Return texts in the code that a user may read, but that nobody would translate, as sentences.
+
+    A text counts where it has two words in a row and is handed to a message, an error or a caller: what is said
+    to programmers (ValueError), and what the tools said through tr() (`texts`), does not.
+    """
+    found = []
+    for path, tree in modules:
+        for node in ast.walk(tree):
+            for part in _messages(node):
+                prose = "".join(
+                    piece.value if isinstance(piece, ast.Constant) else "{}"
+                    for piece in (part.values if isinstance(part, ast.JoinedStr) else [part])
+                )
+                if (
+                    re.search(r"[a-z{}]{2,} [a-z]{2,}", prose)
+                    and prose not in texts
+                    and not re.search(r"^\s*<|^\w+,\w|font:|pip |^\{\}", prose)
+                ):
+                    found.append(f"not to be translated: {path}:{part.lineno}: {prose}")
+    return found
+
+
+def _messages(node):
+    """The bare texts that a statement or a call hands on to a user."""
+    if isinstance(node, ast.Raise):
+        inside = node.exc.args if _called(node.exc) in SAID else []
+    elif isinstance(node, (ast.Return, ast.Assign, ast.AugAssign)):
+        inside = [node.value]
+    elif _called(node) in TELLING:
+        inside = node.args
+    else:
+        return
+    waiting = [one for one in inside if one is not None]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, ast.JoinedStr) or isinstance(one, ast.Constant) and isinstance(one.value, str):
+            yield one
+        elif isinstance(one, (ast.IfExp, ast.BoolOp, ast.BinOp, ast.Tuple, ast.List, ast.Dict)):
+            fields = ("body", "orelse", "values", "left", "right", "elts")
+            for field in fields:
+                value = getattr(one, field, [])
+                waiting += value if isinstance(value, list) else [value]
 
 
 def main():
@@ -154,7 +218,7 @@ def main():
     if "--check" not in sys.argv:
         old = {text: old.get(text, "") for text in wanted}
         FILE.write_text(write(old), encoding="utf-8")
-    found = faults(wanted, old)
+    found = faults(wanted, old) + untold(_modules(), wanted)
     print(f"German: {len(wanted)} texts, {'ok' if not found else f'{len(found)} faults'}")
     for sentence in found:
         print(f"    {sentence}")

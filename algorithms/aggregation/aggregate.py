@@ -17,6 +17,7 @@ from ...core.aggregation.presets import PRESETS
 from ..base import LARGEST, IsthmusAlgorithm
 from ..dependencies import install_hint
 from ..layers.fields import INTEGER, LONG, REAL, TEXT
+from ..words import as_sentence, spoken, tr
 from .areas_tool import AreasTool
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
@@ -281,7 +282,7 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
         if self.parameterAsString(parameters, self.DISTANCE, context) == "table" and not (
             parameters.get(self.DISTANCES)
         ):
-            return "A table of class distances (DISTANCES) is needed, or another way to measure them."
+            return tr("A table of class distances (DISTANCES) is needed, or another way to measure them.")
         weights = (self.WEIGHT_CHANGE, self.WEIGHT_BOUNDARY, self.WEIGHT_CENTRE)
         for name in (
             self.THRESHOLD,
@@ -311,5 +312,5 @@ def highs_problem():
         require_highs()
     except MissingEngine as problem:
         hint = install_hint(np.__version__, ['"scipy>=1.9"'])
-        return f"{str(problem)[0].upper()}{str(problem)[1:]}. {hint}"
+        return f"{as_sentence(spoken(problem.sentence))} {hint}"
     return ""

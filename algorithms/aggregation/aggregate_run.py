@@ -20,14 +20,14 @@ from ...core.aggregation.methods import by_method
 from ...core.aggregation.outcome import balance, outcome
 from ...core.aggregation.presets import PRESETS
 from ...core.aggregation.tables import distances, thresholds
-from ...core.errors import Cancelled, IsthmusError
+from ...core.errors import Cancelled, IsthmusError, Sentence
 from ..base import counted
 from ..layers import wkb
 from ..layers.fields import LONG, make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import Reader
 from ..layers.styles import style_on_load
-from ..words import tr
+from ..words import as_sentence, spoken, tr
 from . import areas as layer
 from . import report
 from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS
@@ -115,7 +115,7 @@ def _told():
     try:
         yield
     except IsthmusError as problem:
-        raise QgsProcessingException(str(problem)) from None
+        raise QgsProcessingException(as_sentence(spoken(problem.sentence))) from None
 
 
 def _rows(source, parameter, wanted):
@@ -126,7 +126,9 @@ def _rows(source, parameter, wanted):
     lacking = [name for name in wanted if name not in names]
     if lacking:
         raise QgsProcessingException(
-            f"The table {parameter} has no field {', '.join(lacking)}. It has: {', '.join(names)}."
+            tr("The table {} has no field {}. It has: {}.").format(
+                parameter, ", ".join(lacking), ", ".join(names)
+            )
         )
     index = [names.index(name) for name in wanted]
     for feature in source.getFeatures(QgsFeatureRequest()):
@@ -178,16 +180,19 @@ class _Run:
         tool, feedback = self.tool, self.feedback
         crs = self.source.sourceCrs()
         self.reader = Reader(self.source, feedback, keep=True)
-        feedback.setProgressText("Reading the areas")
+        feedback.setProgressText(tr("Reading the areas"))
         areas = self.areas = layer.read(self.reader, crs)
-        feedback.setProgressText("Finding shared boundaries")
+        feedback.setProgressText(tr("Finding shared boundaries"))
         texts = layer.texts(areas.features, self.class_index)
         self.reason = reasons_of(areas, texts, [
-            "it is empty" if one.hasGeometry() else "it has no geometry" for one in areas.features
+            Sentence("it is empty") if one.hasGeometry() else Sentence("it has no geometry")
+            for one in areas.features
         ])  # fmt: skip
         self._tell_invalid(set(invalid(areas).tolist()) - set(self.reason))
         for k, reason in self.reason.items():
-            feedback.pushWarning(tr("Area {} is left as it is: {}.").format(areas.features[k].id(), reason))
+            feedback.pushWarning(
+                tr("Area {} is left as it is: {}.").format(areas.features[k].id(), spoken(reason))
+            )
         self.classes = sorted({one for one in texts if one is not None})
         if not self.classes:
             feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
@@ -263,7 +268,7 @@ class _Run:
             if share is not None:
                 feedback.setProgress(100.0 * share)
 
-        feedback.setProgressText(f"Aggregating {len(problem.size)} areas ({method})")
+        feedback.setProgressText(tr("Aggregating {} ({})").format(counted(len(problem.size), "area"), method))
         decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
         try:
             found, result = by_method(
@@ -358,7 +363,7 @@ class _Run:
                 core.id(),
                 out.faults.get(r, ""),
             ]
-            sinks.add(tool.OUTPUT, geometry, values, f"region {r + 1}")
+            sinks.add(tool.OUTPUT, geometry, values, Sentence("region {}", r + 1))
             written += 1
         return written
 
@@ -380,11 +385,16 @@ class _Run:
             return
         weights = [f"{weight:g}" for weight in self.weights()]
         intro = [
-            f"{counted(len(self.problem.size), 'area')} in {counted(results[tool.REGION_COUNT], 'region')}, "
-            f"by {self.choice(tool.METHOD)}.",
-            f"Weights: class change {weights[0]}, boundary {weights[1]}, centre distance {weights[2]}.",
+            tr("{} in {}, by {}.").format(
+                counted(len(self.problem.size), "area"),
+                counted(results[tool.REGION_COUNT], "region"),
+                self.choice(tool.METHOD),
+            ),
+            tr("Weights: class change {}, boundary {}, centre distance {}.").format(*weights),
         ]
-        sinks.write_text(path, report.page(f"Aggregation of {self.source.sourceName()}", intro, made))
+        sinks.write_text(
+            path, report.page(tr("Aggregation of {}").format(self.source.sourceName()), intro, made)
+        )
         results[tool.REPORT] = path
 
     def _sources(self):
@@ -409,7 +419,7 @@ class _Run:
         for r in small[:most]:
             core = self.areas.features[int(found.core[r])]
             said = tr("Region {} around area {} ({:.6g} square metres) could not be helped: {}.").format(
-                r + 1, core.id(), size[r], faults[r]
+                r + 1, core.id(), size[r], spoken(faults[r])
             )
             if faults[r] == "too small":
                 said += " " + tr("It has no neighbours that would make it large enough.")
@@ -453,4 +463,4 @@ class _Run:
                 geometry = first.geometry()
             else:
                 geometry = self._shape(group, shapes.get(number), extra, multi)
-            sinks.add(tool.ASSIGNMENT, geometry, values, f"area {first.id()}")
+            sinks.add(tool.ASSIGNMENT, geometry, values, Sentence("area {}", first.id()))

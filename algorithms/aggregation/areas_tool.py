@@ -50,6 +50,6 @@ def field_index(tool, parameters, context, source, name, needed=True):
     if index < 0 and (needed or wanted):
         names = ", ".join(field.name() for field in source.fields())
         raise QgsProcessingException(
-            f"The areas have no field {wanted!r} ({name}). Their fields are: {names}."
+            tr("The areas have no field {!r} ({}). Their fields are: {}.").format(wanted, name, names)
         )
     return index

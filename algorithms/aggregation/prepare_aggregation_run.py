@@ -9,7 +9,7 @@ from qgis.core import (
 
 from ...core.aggregation.areas import arrange_pieces, joined_rings, neighbours
 from ...core.aggregation.coverage import faults
-from ...core.errors import Cancelled
+from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import pieces, weigh_by_length, without_vertex
 from ...core.partition.solve import finish, select
 from ...core.progress import checker
@@ -23,7 +23,7 @@ from ..layers.styles import style_on_load
 from ..partition.cutting import BY_LENGTH, NATURAL
 from ..partition.cutting_run import report_short
 from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
-from ..words import tr
+from ..words import spoken, tr
 from . import areas as layer
 from .areas_tool import field_index
 from .prepare_aggregation import PAIR_FIELDS, PIECE_FIELDS
@@ -104,11 +104,13 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         problems = reasons_of(feature, status[lo:hi])
         if problems:
             skipped += 1
-            feedback.pushWarning(tr("Area {} was not cut: {}.").format(feature.id(), "; ".join(problems)))
+            feedback.pushWarning(
+                tr("Area {} was not cut: {}.").format(feature.id(), "; ".join(map(spoken, problems)))
+            )
     if feedback.isCanceled():
         return {}
 
-    feedback.setProgressText("Finding shared boundaries")
+    feedback.setProgressText(tr("Finding shared boundaries"))
     rings = joined_rings([own for _, _, own, _ in cut])
     is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
     found, rings, grown = arrange_pieces(rings, is_new, settings.measure, layer.metres_of(crs))
@@ -132,13 +134,15 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
                 if multi:
                     geometry.convertToMultiType()
         values = [feature.id(), k + 1, size, reason]
-        sinks.add(tool.OUTPUT, geometry, feature.attributes() + values, f"area {feature.id()}")
+        sinks.add(tool.OUTPUT, geometry, feature.attributes() + values, Sentence("area {}", feature.id()))
     empty = [number for number in range(len(kept)) if of_area[number] == of_area[number + 1]]
     for number in empty:
         feature = kept[number]
         (reason,) = reasons_of(feature, ())
         values = [feature.id(), layer.NULL, 0.0, reason]
-        sinks.add(tool.OUTPUT, feature.geometry(), feature.attributes() + values, f"area {feature.id()}")
+        sinks.add(
+            tool.OUTPUT, feature.geometry(), feature.attributes() + values, Sentence("area {}", feature.id())
+        )
 
     if with_table:
         pairs, length = neighbours(found)

@@ -3,6 +3,7 @@
 import html
 
 from ..partition.report import STYLE
+from ..words import spoken, tr
 
 BAR = ".bar { display: inline-block; height: .8em; background: #2b6ca3 } td.text { text-align: left }"
 
@@ -19,7 +20,7 @@ def page(title, intro, balance):
     """
     total = balance.costs[-1][2]
     cost_rows = [
-        (name, f"{before:.6g}", f"{after:.6g}", *_share(after, total))
+        (spoken(name), f"{before:.6g}", f"{after:.6g}", *_share(after, total))
         for name, before, after in balance.costs
     ]
     size = sum(row[2] for row in balance.classes)
@@ -40,29 +41,41 @@ def page(title, intro, balance):
         f"<h1>{html.escape(title)}</h1>",
         *(f"<p>{html.escape(text)}</p>" for text in intro),
         _table(
-            "Cost",
-            "Before: every area a region of its own. The share is that of the cost after.",
-            ("", "before", "after", "share", ""),
+            tr("Cost"),
+            tr("Before: every area a region of its own. The share is that of the cost after."),
+            ("", tr("before"), tr("after"), tr("share"), ""),
             cost_rows,
         ),
         _table(
-            "Classes",
-            "Areas before, regions after, with their sizes in hectares.",
-            ("class", "areas", "ha", "share", "", "regions", "ha", "share", ""),
+            tr("Classes"),
+            tr("Areas before, regions after, with their sizes in hectares."),
+            (
+                tr("class"),
+                tr("areas"),
+                "ha",
+                tr("share"),
+                "",
+                tr("regions"),
+                "ha",
+                tr("share"),
+                "",
+            ),
             class_rows,
         ),
         _table(
-            "Lost areas",
-            "Areas above half of the minimum size of their class, and how many of them lost it (by "
-            "more than half of their size).",
-            ("class", "areas", "lost", "share", ""),
+            tr("Lost areas"),
+            tr(
+                "Areas above half of the minimum size of their class, and how many of them lost it (by "
+                "more than half of their size)."
+            ),
+            (tr("class"), tr("areas"), tr("lost"), tr("share"), ""),
             lost_rows,
         )
         if lost_rows
-        else "<h2>Lost areas</h2><p>No area is above half of its minimum size.</p>",
+        else f"<h2>{tr('Lost areas')}</h2><p>{tr('No area is above half of its minimum size.')}</p>",
     ]
     return (
-        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}'
+        f'<!DOCTYPE html><html lang="{tr("en")}"><head><meta charset="utf-8"><title>{html.escape(title)}'
         f"</title><style>{STYLE}{BAR}</style></head><body>{''.join(body)}</body></html>\n"
     )
 

@@ -18,6 +18,7 @@ from ..base import IsthmusAlgorithm
 from ..dependencies import dependency_problem, install_hint
 from ..layers.fields import REAL, TEXT
 from ..partition.cutting import ANY, places_parameter
+from ..words import tr
 
 RULES = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 EDGE_FIELDS = (("kind", TEXT), ("length", REAL), ("stretch", REAL))
@@ -297,8 +298,7 @@ def scipy_problem():
         import scipy.sparse.linalg  # noqa: F401
         import scipy.spatial  # noqa: F401
     except ImportError:
-        return (
-            f"This tool needs the Python package scipy. {install_hint(np.__version__, ['scipy'])}; "
-            "on Debian and Ubuntu: apt install python3-scipy"
-        )
+        return tr(
+            "This tool needs the Python package scipy. {}; on Debian and Ubuntu: apt install python3-scipy"
+        ).format(install_hint(np.__version__, ["scipy"]))
     return ""

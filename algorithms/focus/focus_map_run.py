@@ -23,7 +23,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled, IsthmusError
+from ...core.errors import Cancelled, IsthmusError, Sentence
 from ...core.focus.carrying import Carrier
 from ...core.focus.enlarge import enlarge
 from ...core.focus.globe import on_the_globe
@@ -36,7 +36,7 @@ from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..partition.cutting import NATURAL
-from ..words import tr
+from ..words import as_sentence, spoken, tr
 from .focus_map import EDGE_FIELDS
 
 
@@ -117,7 +117,7 @@ def _read(source, feedback):
         )
     counts = [count for one in runs for count in one.counts]
     if not counts:
-        raise QgsProcessingException("The map has no features with a geometry that can be moved.")
+        raise QgsProcessingException(tr("The map has no features with a geometry that can be moved."))
     polygons, first = [], 0
     for one in runs:
         polygons += [[first + ring for ring in rings] for rings in one.polygons]
@@ -156,12 +156,10 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     except Cancelled:
         return None
     except IsthmusError as problem:
-        message = str(problem).rstrip(".")
-        end = "" if message.endswith("?") else "."
-        raise QgsProcessingException(f"{message[0].upper()}{message[1:]}{end}") from None
+        raise QgsProcessingException(as_sentence(spoken(problem.sentence))) from None
     if crs.isGeographic() and not (np.abs(result.rows) <= (180.0, 90.0)).all():
         raise QgsProcessingException(
-            "The map would grow beyond the globe. Keep its extent (switch the frame on)."
+            tr("The map would grow beyond the globe. Keep its extent (switch the frame on).")
         )
     return result
 
@@ -169,7 +167,7 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
 def _tell(feedback, result):
     """Say in the log what came out."""
     for reason in result.skipped[:20]:
-        feedback.pushWarning(tr("No relevant edges for {}.").format(reason))
+        feedback.pushWarning(tr("No relevant edges for {}.").format(spoken(reason)))
     if len(result.skipped) > 20:
         feedback.pushWarning(tr("... and for {} more.").format(len(result.skipped) - 20))
     width, height = (100.0 * (result.growth - 1.0)).tolist()
@@ -192,7 +190,7 @@ def _focus(source, crs, context):
     ]
     if not found:
         raise QgsProcessingException(
-            "The layer of the region to enlarge has no polygons whose coordinates are finite."
+            tr("The layer of the region to enlarge has no polygons whose coordinates are finite.")
         )
     return shapely.union_all(shapely.make_valid(found))
 
@@ -239,7 +237,7 @@ def _write(tool, sinks, source, given, result):
         if count:
             geometry = one.moved(result.rows[start : start + count], list(splits))
         start += count
-        sinks.add(tool.OUTPUT, geometry, feature.attributes(), f"feature {feature.id()}")
+        sinks.add(tool.OUTPUT, geometry, feature.attributes(), Sentence("feature {}", feature.id()))
 
 
 def _write_edges(tool, sinks, crs, result):
@@ -295,7 +293,7 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
         QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
     )  # fmt: skip
     if writer.hasError() != QgsVectorFileWriter.WriterError.NoError:
-        raise QgsProcessingException(f"{path} cannot be written: {writer.errorMessage()}")
+        raise QgsProcessingException(tr("{} cannot be written: {}").format(path, writer.errorMessage()))
     transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
     count, lost = 0, []
     for feature in layer.getFeatures():
@@ -314,7 +312,9 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
             elif one.counts:
                 feature.setGeometry(one.moved(carrier(one.xy)))
         if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-            raise QgsProcessingException(f"A feature of {name} could not be written: {writer.errorMessage()}")
+            raise QgsProcessingException(
+                tr("A feature of {} could not be written: {}").format(name, writer.errorMessage())
+            )
     del writer
     if lost:
         feedback.pushWarning(
@@ -325,7 +325,9 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
     address = f"{path}|layername={name}"
     # what a full disk swallows, the writer may tell nobody
     if QgsVectorLayer(address, name, "ogr").featureCount() != count:
-        raise QgsProcessingException(f"{name} could not be written to {path} as a whole. Is the disk full?")
+        raise QgsProcessingException(
+            tr("{} could not be written to {} as a whole. Is the disk full?").format(name, path)
+        )
     details = QgsProcessingContext.LayerDetails(name, context.project(), name)
     if context.project() is not None:
         carried = QgsVectorLayer(address, name, "ogr")
@@ -354,8 +356,9 @@ def _geometries(source, crs, context):
                 geometry.transform(transform)
             except QgsCsException:
                 raise QgsProcessingException(
-                    f"Feature {feature.id()} of {source.sourceName()} has no place in the CRS of the map "
-                    f"({crs.authid()}). Is the CRS of {source.sourceName()} right?"
+                    tr(
+                        "Feature {} of {} has no place in the CRS of the map ({}). Is the CRS of {} right?"
+                    ).format(feature.id(), source.sourceName(), crs.authid(), source.sourceName())
                 ) from None
         yield geometry
 

@@ -19,7 +19,7 @@ from qgis.core import (
     QgsProviderRegistry,
 )
 
-from ..words import tr
+from ..words import spoken, tr
 
 # formats that keep every feature, and can be read
 READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
@@ -40,7 +40,7 @@ def overwriting(tool, parameters, context):
     taken = {}
     for definition in tool.parameterDefinitions():
         for place in _places_read(tool, definition, parameters, context):
-            taken[place] = f"the input {definition.name()}"
+            taken[place] = tr("the input {}").format(definition.name())
     for definition in tool.parameterDefinitions():
         if not definition.isDestination():
             continue
@@ -50,15 +50,15 @@ def overwriting(tool, parameters, context):
         for (other, layer), what in taken.items():
             # without a table the whole file is made anew
             if other == file and (None in (table, layer) or table == layer):
-                return (
-                    f"{definition.name()} would overwrite {what}: both are {file}. Choose another file"
-                    + (
-                        ", or another layer of it: "
-                        f"ogr:dbname='{file}' table=\"{definition.name().lower()}\"."
-                        if file.endswith(".gpkg") else "."
+                name, layer = definition.name(), ""
+                if file.endswith(".gpkg"):
+                    layer = tr(", or another layer of it: {}").format(
+                        f"ogr:dbname='{file}' table=\"{name.lower()}\""
                     )
-                )  # fmt: skip
-        taken[file, table] = f"the result {definition.name()}"
+                return tr("{} would overwrite {}: both are {}. Choose another file{}.").format(
+                    name, what, file, layer
+                )
+        taken[file, table] = tr("the result {}").format(definition.name())
     return ""
 
 
@@ -158,8 +158,10 @@ class Sinks:
         feature.setAttributes(values)
         if not sink.addFeature(feature, _FAST):
             raise QgsProcessingException(
-                f"A result{origin and ' of ' + origin} could not be written (is the disk full, or a "
-                f"value too long or unknown to the format?): {sink.lastError()}"
+                tr(
+                    "A result{} could not be written (is the disk full, or a value too long or unknown to "
+                    "the format?): {}"
+                ).format(origin and f" ({spoken(origin)})", sink.lastError())
             )
         self._written[name] += 1
 
@@ -170,7 +172,7 @@ class Sinks:
                 self._texts.append(path)
                 stream.write(text)
         except OSError as error:
-            raise QgsProcessingException(f"The report could not be written: {error}") from error
+            raise QgsProcessingException(tr("The report could not be written: {}").format(error)) from error
 
     def __enter__(self):
         return self
@@ -202,10 +204,10 @@ class Sinks:
 
     def _message(self, lost):
         paths = ", ".join(str(_path(self.destinations[name])) for name in lost)
-        return (
-            f"Not everything could be written to {paths}. Is the disk full? Some formats also drop "
+        return tr(
+            "Not everything could be written to {}. Is the disk full? Some formats also drop "
             "features without geometry; a GeoPackage keeps them."
-        )
+        ).format(paths)
 
     def _discard(self):
         """Remove the files of this run; whether there were any."""

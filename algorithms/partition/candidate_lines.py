@@ -3,9 +3,10 @@
 import numpy as np
 from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 
+from ...core.errors import Sentence
 from ...core.partition.features import GivenLines
 from ..layers import wkb
-from ..words import tr
+from ..words import spoken, tr
 
 
 class CandidateLines:
@@ -40,7 +41,7 @@ class CandidateLines:
 
     def report(self, feedback):
         """Tell which lines are no diagonals, and why."""
-        problems = [(k, "it is not one straight line between two points") for k in self.bent]
+        problems = [(k, Sentence("it is not one straight line between two points")) for k in self.bent]
         problems += self.given.left_out()
         for line, reason in sorted(problems):
-            feedback.pushWarning(tr("Candidate line {} was left out: {}.").format(line, reason))
+            feedback.pushWarning(tr("Candidate line {} was left out: {}.").format(line, spoken(reason)))

@@ -20,6 +20,7 @@ from qgis.core import (
 
 from ..base import LARGEST, IsthmusAlgorithm
 from ..layers.fields import INTEGER, LONG, REAL, TEXT
+from ..words import tr
 
 BY_SIZE, BY_LENGTH, BY_WEIGHT = OBJECTIVES = ("MinSize", "MinLength", "MinWeight")
 NATURAL, ANY = PLACES = ("Natural", "Any")
@@ -313,14 +314,16 @@ class CuttingTool(PartitionTool):
 def expression_problem(text, all_fields):
     """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
     if not text.strip():
-        return "MinWeight needs an expression for the weight of a candidate (WEIGHT)."
+        return tr("MinWeight needs an expression for the weight of a candidate (WEIGHT).")
     expression = QgsExpression(text)
     if expression.hasParserError():
-        return f"The expression for the weight (WEIGHT) is not valid: {expression.parserErrorString()}"
+        return tr("The expression for the weight (WEIGHT) is not valid: {}").format(
+            expression.parserErrorString()
+        )
     known = set(all_fields[0].names())
     if len(all_fields) > 1:  # as the candidates have them
         known = set(QgsProcessingUtils.combineFields(*all_fields).names())
     unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
     if unknown:
-        return f"The expression for the weight (WEIGHT) uses an unknown field: {min(unknown)}."
+        return tr("The expression for the weight (WEIGHT) uses an unknown field: {}.").format(min(unknown))
     return ""

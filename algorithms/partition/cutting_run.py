@@ -7,7 +7,7 @@ from itertools import repeat
 import numpy as np
 from qgis.core import NULL, QgsFeatureRequest, QgsProcessingUtils, QgsUnitTypes, QgsWkbTypes
 
-from ...core.errors import Cancelled
+from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import costs, cuts, pieces, without_vertex
 from ...core.partition.solve import finish
 from ...core.progress import stretch
@@ -17,7 +17,7 @@ from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
-from ..words import tr
+from ..words import spoken, tr
 from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
 from .solving import problems, reasons_of, settings_of
 
@@ -88,11 +88,12 @@ class Told:
 
     def reason(self, feature, verdicts, feedback):
         """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
-        text = "; ".join(reasons_of(feature, verdicts))
-        if text:
+        reasons = reasons_of(feature, verdicts)
+        if reasons:
             self.skipped += 1
-            feedback.pushWarning(tr("Feature {} was not cut: {}.").format(feature.id(), text))
-        return text
+            said = "; ".join(map(spoken, reasons))
+            feedback.pushWarning(tr("Feature {} was not cut: {}.").format(feature.id(), said))
+        return "; ".join(reasons)
 
     def report(self, feedback, more=""):
         """Say it; ``more`` before what was not cut."""
@@ -196,7 +197,7 @@ class _Writer:
             check(f / len(chunk.features) if f % 8 == 0 else None)
             lo, hi = bounds[f], bounds[f + 1]
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), f"feature {feature.id()}"
+            attributes, origin = feature.attributes(), Sentence("feature {}", feature.id())
             if not some[f]:  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)

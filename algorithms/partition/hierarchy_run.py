@@ -6,7 +6,7 @@ from contextlib import suppress
 import numpy as np
 from qgis.core import NULL, QgsProcessingUtils, QgsWkbTypes
 
-from ...core.errors import Cancelled
+from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import without_vertex
 from ...core.partition.nesting import NO_END, cuts, items_of, nest, shapes
 from ...core.progress import stretch
@@ -92,7 +92,7 @@ class _Writer:
         for f, feature in enumerate(chunk.features):
             lo, hi = bounds[f], bounds[f + 1]
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), f"feature {feature.id()}"
+            attributes, origin = feature.attributes(), Sentence("feature {}", feature.id())
             if all(verdicts[lo:hi]):  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)

@@ -3,6 +3,8 @@
 import html
 import math
 
+from ..words import tr
+
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 720, 340, 70, 48, 16, 20
 
 STYLE = """
@@ -34,7 +36,7 @@ def page(title, intro, curves):
         body.append(_plot(curve))
         body.append(_table(curve))
     return (
-        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}'
+        f'<!DOCTYPE html><html lang="{tr("en")}"><head><meta charset="utf-8"><title>{html.escape(title)}'
         f"</title><style>{STYLE}</style></head><body>{''.join(body)}</body></html>\n"
     )
 
@@ -49,12 +51,12 @@ def _table(curve):
         for k in curve["marked"]
     ]
     if not rows:
-        return "<p>No step pays off more than another.</p>"
+        return f"<p>{tr('No step pays off more than another.')}</p>"
     return (
-        "<table><caption>The steps that pay off most: the tau to set, and what it gives.</caption>"
-        "<tr><th>tau</th><th>cuts</th>"
+        f"<table><caption>{tr('The steps that pay off most: the tau to set, and what it gives.')}</caption>"
+        f"<tr><th>tau</th><th>{tr('cuts')}</th>"
         + f"<th>{html.escape(curve['unit'])}</th>" * own_cost
-        + f"<th>largest part</th></tr>{''.join(rows)}</table>"
+        + f"<th>{tr('largest part')}</th></tr>{''.join(rows)}</table>"
     )
 
 
@@ -90,7 +92,7 @@ def _plot(curve):
         path.append(f"{'L' if path else 'M'}{x(right):.1f} {y(c):.1f}L{x(t):.1f} {y(c):.1f}")
         right = t
     parts = [
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Cost over tau">',
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{tr("Cost over tau")}">',
         f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}" fill="none" stroke="#888"/>',
     ]
     for value in _ticks_log(low, high):
@@ -105,8 +107,9 @@ def _plot(curve):
             f'<text x="{LEFT - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value:g}</text>'
         )
     parts.append(
-        f'<text x="{(LEFT + WIDTH) / 2}" y="{HEIGHT - 10}" text-anchor="middle">tau: largest detour '
-        f'allowed</text><text transform="translate(16 {HEIGHT / 2}) rotate(-90)" '
+        f'<text x="{(LEFT + WIDTH) / 2}" y="{HEIGHT - 10}" text-anchor="middle">'
+        f"{tr('tau: largest detour allowed')}</text>"
+        f'<text transform="translate(16 {HEIGHT / 2}) rotate(-90)" '
         f'text-anchor="middle">{html.escape(curve["unit"])}</text>'
         f'<path d="{"".join(path)}" fill="none" stroke="#2b6ca3" stroke-width="1.6"/>'
     )
@@ -117,7 +120,8 @@ def _plot(curve):
         )
     if not curve["complete"]:
         parts.append(
-            f'<text x="{x(tau[-1]) - 6:.1f}" y="{y(cost[-1]) - 4:.1f}" text-anchor="end">goes on</text>'
+            f'<text x="{x(tau[-1]) - 6:.1f}" y="{y(cost[-1]) - 4:.1f}" text-anchor="end">'
+            f"{tr('goes on')}</text>"
         )
     return "".join(parts) + "</svg>"
 

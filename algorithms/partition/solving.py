@@ -15,6 +15,7 @@ from qgis.core import (
 )
 
 from ...core import metric
+from ...core.errors import Sentence
 from ...core.partition.engines import engine_name, only_engine
 from ...core.partition.features import Chunk, beyond_the_poles, weigh_by_length
 from ...core.partition.features import prepare as prepare_polygons
@@ -187,7 +188,7 @@ def problems(reader, settings, feedback, share):
 def reasons_of(feature, verdicts):
     """Return why polygons of a feature were not solved, each reason once, by the verdicts of all of them."""
     if not len(verdicts):
-        return ["it has no geometry" if not feature.hasGeometry() else "it is empty"]
+        return [Sentence("it has no geometry") if not feature.hasGeometry() else Sentence("it is empty")]
     return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
 
 
@@ -238,9 +239,9 @@ def weigh_by_expression(text, source, lines, context):
             if 0.0 <= weight < math.inf:
                 weights[k] = weight
                 continue
-            name = geometry.asWkt(6) if line is None else f"line {lines.ids[line]}"
-            reason = expression.evalErrorString() or "it must be a number of at least 0"
-            reasons[p] = f"the weight of candidate {name} cannot be used: {reason}"
+            name = geometry.asWkt(6) if line is None else Sentence("line {}", lines.ids[line])
+            reason = expression.evalErrorString() or Sentence("it must be a number of at least 0")
+            reasons[p] = Sentence("the weight of candidate {} cannot be used: {}", name, reason)
         return weights, reasons
 
     return weigh

@@ -9,6 +9,7 @@ from qgis.core import (
 )
 
 from ..layers.fields import INTEGER, LONG, REAL
+from ..words import tr
 from .cutting import PartitionTool
 
 FIELDS = (
@@ -109,7 +110,7 @@ class TradeoffAlgorithm(PartitionTool):
         if problem:
             return problem
         if not (high == 0.0 or high >= low):
-            return f"TAU_MAX must be 0 or at least TAU_MIN ({low:g}), and is {high:g}."
+            return tr("TAU_MAX must be 0 or at least TAU_MIN ({:g}), and is {:g}.").format(low, high)
         return self.objective_problem(parameters, context)
 
     def processAlgorithm(self, parameters, context, feedback):

@@ -12,7 +12,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ...core.errors import Cancelled
+from ...core.errors import Cancelled, Sentence
 from ...core.partition import features
 from ...core.partition.solve import select
 from ...core.partition.tradeoff import paying_steps
@@ -20,14 +20,18 @@ from ...core.progress import stretch
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
 from ..layers.source import Reader
-from ..words import tr
+from ..words import spoken, tr
 from . import report
 from .cutting import BY_SIZE
 from .cutting_run import report_short
 from .solving import problems, settings_of
 from .tradeoff import FIELDS
 
-UNITS = {"MinSize": "number of cuts", "MinLength": "length of the cuts", "MinWeight": "weight"}
+UNITS = {
+    "MinSize": Sentence("number of cuts"),
+    "MinLength": Sentence("length of the cuts"),
+    "MinWeight": Sentence("weight"),
+}
 
 
 def run(tool, parameters, context, feedback):
@@ -44,7 +48,9 @@ def run(tool, parameters, context, feedback):
             tool.OUTPUT, make_fields(FIELDS), QgsWkbTypes.Type.NoGeometry,
             QgsCoordinateReferenceSystem(),
         )  # fmt: skip
-        curves, numbers = _curves(tool, source, settings, low, high, most, UNITS[objective], sinks, feedback)
+        curves, numbers = _curves(
+            tool, source, settings, low, high, most, spoken(UNITS[objective]), sinks, feedback
+        )
         if settings.lines:
             settings.lines.report(feedback)
         if path and not feedback.isCanceled():
@@ -75,21 +81,23 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
                 reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
                 if not any(reason == "" for reason in reasons):
                     skipped += 1
-                    reason = reasons[0] if reasons else "it has no polygon"
-                    feedback.pushWarning(tr("Feature {} has no curve: {}.").format(feature.id(), reason))
+                    reason = reasons[0] if reasons else Sentence("it has no polygon")
+                    feedback.pushWarning(
+                        tr("Feature {} has no curve: {}.").format(feature.id(), spoken(reason))
+                    )
                     continue
                 reasons.remove("")
                 if reasons:
                     skipped += 1
                     feedback.pushWarning(
                         tr("Feature {}: parts of it were left out: {}.").format(
-                            feature.id(), "; ".join(reasons)
+                            feature.id(), "; ".join(map(spoken, reasons))
                         )
                     )
                 curve, rows = found[f]
                 for *row, share in rows:
                     own = [feature.id(), *row, NULL if math.isnan(share) else share]
-                    sinks.add(tool.OUTPUT, None, own, f"feature {feature.id()}")
+                    sinks.add(tool.OUTPUT, None, own, Sentence("feature {}", feature.id()))
                 count += len(rows)
                 tau, cuts, _, cost, share = map(list, zip(*rows))
                 curves.append(
@@ -118,8 +126,8 @@ def _names(tool, parameters, context):
         scopes.setFeature(feature)
         name = expression.evaluate(scopes)
         if isinstance(name, str) and name.strip():  # a number would be another id
-            return f"{name.strip()} (feature {feature.id()})"
-        return f"Feature {feature.id()}"
+            return tr("{} (feature {})").format(name.strip(), feature.id())
+        return tr("Feature {}").format(feature.id())
 
     return name_of
 
@@ -127,12 +135,16 @@ def _names(tool, parameters, context):
 def _report(name, objective, curves):
     """The page with the curves."""
     intro = [
-        f"Each curve shows, for every value of tau, the least {UNITS[objective]} that keeps all "
-        f"detours within it ({objective}).",
-        "A long flat stretch means that nothing more is to be gained for a while: good values "
-        "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
-        "fall of the detour (on a logarithmic scale) for what they cost more.",
+        tr(
+            "Each curve shows, for every value of tau, the least cost ({}) that keeps all detours "
+            "within it ({})."
+        ).format(spoken(UNITS[objective]), objective),
+        tr(
+            "A long flat stretch means that nothing more is to be gained for a while: good values "
+            "of tau lie at its left end. Red dots mark the steps that pay off most, the largest "
+            "fall of the detour (on a logarithmic scale) for what they cost more."
+        ),
     ]
     if objective != BY_SIZE:
-        intro.append("Lengths are in the units of the layer, or metres for degrees.")
-    return report.page(f"Detour trade-off of {name}", intro, curves)
+        intro.append(tr("Lengths are in the units of the layer, or metres for degrees."))
+    return report.page(tr("Detour trade-off of {}").format(name), intro, curves)

@@ -8,7 +8,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 import shapely
 
-from ..errors import IsthmusError
+from ..errors import IsthmusError, Sentence
 from ..metric import FARTHEST, Metric
 from ..rings import Rings, groups, offsets_of, take
 from .coverage import Coverage, centroids, cover, shapes, shared, spreads, with_shared_vertices
@@ -211,9 +211,9 @@ def reasons_of(areas: Areas, classes: Sequence[str | None], without: Sequence[st
         if not shaped[k]:
             reason[k] = without[k]
         elif k in huge:
-            reason[k] = f"it has coordinates that are not finite, or larger than {FARTHEST:g}"
+            reason[k] = Sentence("it has coordinates that are not finite, or larger than {:g}", FARTHEST)
         elif one is None:
-            reason[k] = "it has no class"
+            reason[k] = Sentence("it has no class")
     return reason
 
 
@@ -279,16 +279,18 @@ def posed(
     with np.errstate(over="ignore"):
         extent = np.ptp(place.real) + np.ptp(place.imag) if len(place) else 0.0
         most = {
-            "class change": size * problem.change * problem.distance.max(initial=0.0),
-            "boundary length": problem.boundary * problem.length.sum(),
-            "centre distance": size * problem.centre * extent,
+            Sentence("class change"): size * problem.change * problem.distance.max(initial=0.0),
+            Sentence("boundary length"): problem.boundary * problem.length.sum(),
+            Sentence("centre distance"): size * problem.centre * extent,
         }
     for name, cost in most.items():
         if not cost < LARGEST_COST:
-            raise IsthmusError(
-                f"The costs of {name} cannot be computed: up to {cost:g}, they are too large. Give a "
-                "smaller weight (or class distances), and see that no area is far away by mistake."
-            )
+            large = Sentence(
+                "The costs of {} cannot be computed: up to {:g}, they are too large. Give a "
+                "smaller weight (or class distances), and see that no area is far away by mistake.",
+                name, cost,
+            )  # fmt: skip
+            raise IsthmusError(large)
     return problem
 
 

@@ -22,7 +22,7 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from ..errors import MissingEngine
+from ..errors import MissingEngine, Sentence
 from .annealing import annealing
 from .greedy import greedy, helpless
 from .instance import (
@@ -85,9 +85,10 @@ def require_highs() -> tuple[Callable, Callable, type, ModuleType]:
         from scipy import sparse
         from scipy.optimize import LinearConstraint, linprog, milp
     except ImportError:
-        raise MissingEngine(
+        needed = Sentence(
             "the exact method needs the solver HiGHS from the Python package scipy, 1.9 or newer"
-        ) from None
+        )
+        raise MissingEngine(needed) from None
     return linprog, milp, LinearConstraint, sparse
 
 
@@ -166,7 +167,7 @@ def exact(
     return Exact(found, bound, proven, rounds, len(groups))
 
 
-def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, str]]:
+def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, Sentence]]:
     """Faults of a solution apart from those that nothing can help."""
     return [fault for fault in problems(problem, found) if not lost[found.core[fault[0]]]]
 

@@ -24,6 +24,8 @@ from typing import Iterable, NamedTuple
 
 import numpy as np
 
+from ..errors import Sentence
+
 __all__ = [
     "Costs",
     "Instance",
@@ -443,12 +445,12 @@ def _class_lengths(problem, members, region, core, number):
     return problem.boundary * (length.sum() - length)
 
 
-def problems(problem: Instance, found: Solution) -> list[tuple[int, str]]:
+def problems(problem: Instance, found: Solution) -> list[tuple[int, Sentence]]:
     """Check a solution from scratch.
 
     Returns
     -------
-    list of (int, str)
+    list of (int, Sentence)
         Regions that are not contiguous, too small, or of a class that none of their areas had.
     """
     result = []
@@ -460,9 +462,9 @@ def problems(problem: Instance, found: Solution) -> list[tuple[int, str]]:
     theta = problem.theta[problem.cls[found.core]]
     for r in range(count):
         if broken[r] != 1:
-            result.append((r, "not contiguous"))
+            result.append((r, Sentence("not contiguous")))
         if found.region[found.core[r]] != r:
-            result.append((r, "core outside"))
+            result.append((r, Sentence("core outside")))
         if not enough(size[r], theta[r]):
-            result.append((r, "excluded class" if np.isinf(theta[r]) else "too small"))
+            result.append((r, Sentence("excluded class") if np.isinf(theta[r]) else Sentence("too small")))
     return result

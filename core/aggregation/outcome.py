@@ -6,6 +6,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
+from ..errors import Sentence
 from .instance import Instance, Solution, costs, problems
 
 
@@ -73,9 +74,9 @@ def outcome(
     region = [r if has else None for r, has in zip(found.region.tolist(), shaped.tolist())]
     faults = {}
     for r, fault in problems(problem, found):
-        faults[r] = reason.get(cores[r]) or (
-            "its class is excluded, and no other is possible here" if fault == "excluded class" else fault
-        )
+        if fault == "excluded class":
+            fault = Sentence("its class is excluded, and no other is possible here")
+        faults[r] = reason.get(cores[r]) or fault
     members, groups = [[] for _ in range(count)], {}
     for k, its in enumerate(region):
         if its is not None:
@@ -103,10 +104,10 @@ def balance(problem: Instance, found: Solution, sources: Sequence, classes: Sequ
     parts = [
         (name, getattr(before, part), getattr(after, part))
         for name, part in (
-            ("class change", "change"),
-            ("boundary length", "boundary"),
-            ("centre distance", "centre"),
-            ("total", "total"),
+            (Sentence("class change"), "change"),
+            (Sentence("boundary length"), "boundary"),
+            (Sentence("centre distance"), "centre"),
+            (Sentence("total"), "total"),
         )
     ]
 

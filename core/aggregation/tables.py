@@ -7,7 +7,7 @@ from typing import Any, Iterable
 
 import numpy as np
 
-from ..errors import IsthmusError
+from ..errors import IsthmusError, Sentence
 from .instance import hierarchical_distance
 
 __all__ = ["distances", "text", "thresholds"]
@@ -57,7 +57,11 @@ def thresholds(
     for name, value in table:
         one = text(name)
         if one in theta:
-            theta[one] = math.inf if text(value) is None else _number(value, f"the threshold of class {one}")
+            theta[one] = (
+                math.inf
+                if text(value) is None
+                else _number(value, Sentence("The threshold of class {}", one))
+            )
     absent = []
     for one in excluded:
         if one in theta:
@@ -98,34 +102,38 @@ def distances(classes: list[str], kind: str, table: Iterable[tuple] = ()) -> tup
     for start, end, value in table:
         a, b = text(start), text(end)
         if a in number and b in number:
-            matrix[number[a], number[b]] = _number(value, f"the distance from {a} to {b}")
+            matrix[number[a], number[b]] = _number(value, Sentence("The distance from {} to {}", a, b))
     known = ~np.isnan(matrix)
     np.fill_diagonal(known, False)
     alone = ~(known.any(axis=0) | known.any(axis=1)) & (len(classes) > 1)
     absent = [one for one, is_alone in zip(classes, alone) if is_alone]
     if absent:
-        raise IsthmusError(
-            f"The table of class distances (DISTANCES) knows nothing of class {', '.join(absent)}, "
-            "which is on the map. Add rows from this class to the others."
+        unknown = Sentence(
+            "The table of class distances (DISTANCES) knows nothing of class {}, "
+            "which is on the map. Add rows from this class to the others.",
+            ", ".join(absent),
         )
+        raise IsthmusError(unknown)
     one_way = np.isnan(matrix) & ~np.isnan(matrix.T)
     matrix[one_way] = matrix.T[one_way]
     missing = np.argwhere(np.isnan(matrix))
     if len(missing):
-        some = ", ".join(f"{classes[a]} to {classes[b]}" for a, b in missing[:8].tolist())
-        raise IsthmusError(
-            f"The table of class distances (DISTANCES) lacks {len(missing)} pairs of classes that are "
-            f"on the map: {some}{' ...' * (len(missing) > 8)}. Add rows for them."
-        )
+        some = ", ".join(f"{classes[a]} > {classes[b]}" for a, b in missing[:8].tolist())
+        lacking = Sentence(
+            "The table of class distances (DISTANCES) lacks {} pairs of classes that are "
+            "on the map: {}. Add rows for them.",
+            len(missing), some + " ..." * (len(missing) > 8),
+        )  # fmt: skip
+        raise IsthmusError(lacking)
     return matrix, int(one_way.sum())
 
 
-def _number(value: Any, what: str) -> float:
+def _number(value: Any, what: Sentence) -> float:
     """Return a number of at least 0, also from a text column."""
     try:
         number = float(text(value) or "nan")
     except ValueError:
         number = math.nan
     if not 0.0 <= number < math.inf:
-        raise IsthmusError(f"{what[0].upper()}{what[1:]} is no number of at least 0: {value}.")
+        raise IsthmusError(Sentence("{} is no number of at least 0: {}.", what, value))
     return number

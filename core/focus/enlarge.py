@@ -8,7 +8,7 @@ from typing import Callable, NamedTuple, Sequence
 import numpy as np
 import shapely
 
-from ..errors import Cancelled, Unsolvable
+from ..errors import Cancelled, Sentence, Unsolvable
 from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
@@ -151,16 +151,16 @@ def enlarge(
     rows = np.asarray(rows, dtype=float)
     starts = np.asarray(starts, dtype=np.int64)
     if not len(rows):
-        raise Unsolvable("the input has no coordinates")
+        raise Unsolvable(Sentence("the input has no coordinates"))
     if not (scale > 0.0 and np.isfinite(scale)):
-        raise Unsolvable(f"the scale must be a number above 0, and is {scale:g}")
+        raise Unsolvable(Sentence("the scale must be a number above 0, and is {:g}", scale))
     regions = _regions(focus)
     graph = build_graph(rows, starts)
     low, high = rows.min(axis=0), rows.max(axis=0)
     stretch = np.array([aspect, 1.0])
     centre, unit = (low + high) / 2.0, float(((high - low) * stretch).max()) or 1.0
     if not np.isfinite(unit):
-        raise Unsolvable(f"the coordinates are too large: they reach from {low} to {high}")
+        raise Unsolvable(Sentence("the coordinates are too large: they reach from {} to {}", low, high))
     _refuse_outlier(rows, starts, unit)
     unit = unit / stretch
 
@@ -220,12 +220,15 @@ def enlarge(
             needed[spare[doubtful]] = True
         else:
             x, y = points[mesh.triangles[bad].min()]
-            raise Unsolvable(
-                f"lines of the map are too close to each other to be moved without a fold, near ({x:g} {y:g})"
+            near = Sentence(
+                "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
+                x,
+                y,
             )
+            raise Unsolvable(near)
     check = stage(0.95, 1.0)
     if not np.isfinite(unit * shift).all():
-        raise Unsolvable("the map could not be solved: some positions are not finite numbers")
+        raise Unsolvable(Sentence("the map could not be solved: some positions are not finite numbers"))
     moved = unit * shift  # what does not move does not change a bit
     inside = _covered(mesh, noded, land, check)
     check(1.0)
@@ -306,7 +309,9 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
     for g in range(len(regions)):
         if not (group == g).any() and not (own[kept] == g).any():
-            raise Unsolvable("the focus lies between lines that leave no room in it. Choose a larger region")
+            raise Unsolvable(
+                Sentence("the focus lies between lines that leave no room in it. Choose a larger region")
+            )
     known = {
         tuple(point) for point in noded.xy[((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()
     }
@@ -465,10 +470,12 @@ def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
     moved, reached = relax(xy, triangles, links, group, origin, scale, fixed, check, stiff)
     if reached < 1.0:
         room = 1.0 + reached * (scale - 1.0)
-        raise Unsolvable(
-            f"there is no room for a scale of {scale:.10g}: it ends at {math.floor(room * 100) / 100:g}. "
-            "Choose a smaller scale, a larger map around the region, or let the map grow"
-        )
+        tight = Sentence(
+            "there is no room for a scale of {:.10g}: it ends at {:g}. "
+            "Choose a smaller scale, a larger map around the region, or let the map grow",
+            scale, math.floor(room * 100) / 100,
+        )  # fmt: skip
+        raise Unsolvable(tight)
     shift = np.zeros((n, 2))
     shift[kept] = moved
     return shift, kept[bridges], size
@@ -477,11 +484,11 @@ def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
 def _regions(focus):
     """The parts of the focus; those that touch each other are one, as they have to move together."""
     if focus is None or shapely.is_empty(focus):
-        raise Unsolvable("the focus is empty")
+        raise Unsolvable(Sentence("the focus is empty"))
     parts = shapely.get_parts(shapely.union_all(shapely.get_parts(shapely.make_valid(focus))))
     parts = parts[shapely.area(parts) > 0.0]
     if not len(parts):
-        raise Unsolvable("the focus has no area")
+        raise Unsolvable(Sentence("the focus has no area"))
     touching = np.stack(shapely.STRtree(parts).query(parts, predicate="intersects"), axis=1)
     whole = components(len(parts), touching)
     return [shapely.multipolygons(parts[whole == k]) for k in range(whole.max() + 1)]
@@ -493,14 +500,18 @@ def _refuse_outlier(rows, starts, unit):
     length = (np.maximum.reduceat(rows, begin) - np.minimum.reduceat(rows, begin)).max(axis=1)
     long = length[length > 0.0] / unit
     if len(long) and np.count_nonzero(long < POINT) * 2 >= len(long):
-        _complain_of_outlier(rows, "most of its lines are no longer than a point")
+        _complain_of_outlier(rows, Sentence("most of its lines are no longer than a point"))
 
 
 def _complain_of_outlier(rows, what):
     x, y = rows[np.argmax(np.abs(rows).max(axis=1))]
-    raise Unsolvable(
-        f"the map reaches as far as ({x:g} {y:g}), and compared with that, {what}. Is this coordinate right?"
+    far = Sentence(
+        "the map reaches as far as ({:g} {:g}), and compared with that, {}. Is this coordinate right?",
+        x,
+        y,
+        what,
     )
+    raise Unsolvable(far)
 
 
 def _distinct(graph, group, rows, xy):
@@ -518,7 +529,7 @@ def _distinct(graph, group, rows, xy):
     merged = np.full(len(first), -1)
     np.maximum.at(merged, vertex, group)
     if len(np.unique(merged)) < len(np.unique(group)):
-        _complain_of_outlier(rows, "parts of the focus are one point")
+        _complain_of_outlier(rows, Sentence("parts of the focus are one point"))
     edges = unique_pairs(vertex[graph.edges], len(first))
     return Graph(graph.xy[first], vertex[graph.vertex], edges), merged
 
@@ -569,10 +580,11 @@ def _groups(graph, rows, starts, polygons, regions):
             group[mine] = len(used)
             used.append(region)
     if not used:
-        raise Unsolvable(
+        nothing = Sentence(
             "the focus touches nothing: no vertex, line or polygon of the input lies in it. "
             "Are the CRS of both layers right?"
         )
+        raise Unsolvable(nothing)
     return group, used
 
 
@@ -613,14 +625,17 @@ def _frame(mesh, xy, links, group, origin, scale, frame, growth):
     if (wanted > limit * (1.0 + 1e-9)).any():
         largest = math.floor((scale * limit / wanted).min() * 1000.0) / 1000.0
         if (group[place] >= 0).all() and group.max() == 0:
-            raise Unsolvable(
+            whole = Sentence(
                 "the focus covers all of the input, so nothing can make room for it. Choose a smaller "
                 "focus, or let the map grow"
             )
-        raise Unsolvable(
-            f"enlarged {scale:.10g} times, the focus is larger than the frame, which leaves room for a "
-            f"scale of {largest:g}. Choose a smaller scale, or let the map grow"
-        )
+            raise Unsolvable(whole)
+        large = Sentence(
+            "enlarged {:.10g} times, the focus is larger than the frame, which leaves room for a "
+            "scale of {:g}. Choose a smaller scale, or let the map grow",
+            scale, largest,
+        )  # fmt: skip
+        raise Unsolvable(large)
     return wanted
 
 
@@ -661,7 +676,7 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
             found = select(rule, xy[vertices], offsets, tau, extent, check)
             chosen.append(vertices[found])
         except Unsolvable as reason:
-            skipped.append(f"{name}: {reason}")
+            skipped.append(Sentence("{}: {}", name, reason.sentence))
 
     def add_shape(shape, name):
         rings = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(shape)]
@@ -681,7 +696,7 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
             continue
         rings = rings[:1] + [ring for ring in rings[1:] if len(ring) > 2]
         vertices = np.concatenate(rings)
-        name = f"polygon {number + 1}"
+        name = Sentence("polygon {}", number + 1)
         if len(np.unique(vertices)) == len(vertices):
             add(vertices, np.append(0, np.cumsum([len(ring) for ring in rings])), name)
             continue
@@ -702,5 +717,5 @@ def _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check):
         faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[pairs])))
         for number, face in enumerate(faces):
             check()
-            add_shape(face, f"face {number + 1} between the lines")
+            add_shape(face, Sentence("face {} between the lines", number + 1))
     return np.concatenate(chosen)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import Unsolvable
+from ..errors import Sentence, Unsolvable
 
 __all__ = ["Graph", "build_graph", "components", "joins", "match"]
 
@@ -57,7 +57,7 @@ def build_graph(rows: np.ndarray, starts: np.ndarray) -> Graph:
     """
     rows = np.ascontiguousarray(rows, dtype=float) + 0.0  # + 0.0: there is only one zero
     if not np.isfinite(rows).all():
-        raise Unsolvable("some coordinates are not finite (NaN or infinity)")
+        raise Unsolvable(Sentence("some coordinates are not finite (NaN or infinity)"))
     points, vertex = np.unique(rows.view(np.complex128).ravel(), return_inverse=True)
     vertex = vertex.ravel()
     inside = np.ones(max(len(rows) - 1, 0), dtype=bool)

@@ -11,13 +11,14 @@ from typing import Callable, NamedTuple
 import numpy as np
 import shapely
 
-from ..errors import MissingEngine, Unsolvable
+from ..errors import MissingEngine, Sentence, Unsolvable
 from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
 __all__ = ["Noded", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
 
+TOO_FINE = Sentence("the map could not be triangulated (too fine for double precision)")
 SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
 FLAT = 1e-11  # height of a triangle that lies between points on one line, but for rounding
 ROUND = 1e-9  # how far off a circle four points may be, in its width, to count as on it
@@ -191,7 +192,7 @@ def frame_triangles(xy: np.ndarray, segments: np.ndarray) -> np.ndarray:
     call = {"triangle": _by_triangle, "pythoncdt": _by_pythoncdt, "shapely": _by_shapely}[name]
     triangles = call(xy, segments)
     if triangles is None:
-        raise Unsolvable("the map could not be triangulated (too fine for double precision)")
+        raise Unsolvable(TOO_FINE)
     return _counter_clockwise(xy, triangles)
 
 
@@ -255,7 +256,7 @@ def _counter_clockwise(xy, triangles):
     sign = orientations(a, b, c)
     triangles = np.where((sign < 0)[:, None], triangles[:, ::-1], triangles)
     if (sign == 0).any() or len(np.unique(triangles)) < len(xy):
-        raise Unsolvable("the map could not be triangulated (too fine for double precision)")
+        raise Unsolvable(TOO_FINE)
     return triangles
 
 

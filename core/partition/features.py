@@ -12,6 +12,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
+from ..errors import Sentence
 from ..metric import Metric
 from ..progress import ignore
 from ..rings import Rings, offsets_of, signed_areas, take
@@ -43,11 +44,11 @@ CHUNK_FEATURES, CHUNK_VERTICES = 4096, 200_000
 TIME_LIMIT, TRIAL_LIMIT = 540.0, 60.0
 
 LEFT_OUT = {
-    OFF_VERTICES: "an end is not a vertex of a polygon",
-    LEAVES: "it leaves its polygon",
-    TOUCHES: "it touches the boundary between its ends",
-    REPEATED: "it repeats line {}",
-    CROSSES: "it crosses the shorter line {}",
+    OFF_VERTICES: Sentence("an end is not a vertex of a polygon"),
+    LEAVES: Sentence("it leaves its polygon"),
+    TOUCHES: Sentence("it touches the boundary between its ends"),
+    REPEATED: Sentence("it repeats line {}"),
+    CROSSES: Sentence("it crosses the shorter line {}"),
 }
 
 
@@ -174,7 +175,7 @@ class GivenLines:
     def left_out(self) -> list[tuple]:
         """Return the ids of the lines that are no diagonals, each with the reason."""
         return [
-            (self.ids[k], LEFT_OUT[self.verdict[k]].format(self.other.get(k)))
+            (self.ids[k], Sentence(LEFT_OUT[self.verdict[k]], self.other.get(k)))
             for k in range(len(self.ids))
             if not self.used[k]
         ]
@@ -256,7 +257,7 @@ def prepare(
     ):
         bad = ~((values >= 0.0) & (values <= most))
         for f in np.flatnonzero(bad).tolist():
-            reasons[f] = f"{name} must be a number from 0 on, and is {values[f]:g}"
+            reasons[f] = Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
         floors.append(np.where(bad, 0.0, values)[owner])
     near = None
     if lines is not None:
@@ -319,7 +320,7 @@ def for_tau(
     """
     bad = ~((tau >= 1.0) & (tau < np.inf))
     for f in np.flatnonzero(bad).tolist():
-        problem.refuse(f, f"tau must be a number of at least 1, and is {tau[f]:g}")
+        problem.refuse(f, Sentence("tau must be a number of at least 1, and is {:g}", tau[f]))
     selection = solve.select(
         problem.prepared,
         np.where(bad, 1.0, tau)[problem.owner],
@@ -359,7 +360,7 @@ def within_budget(
     count, tau, unproven = len(problem.chunk.features), [], {}
     for f, own in enumerate(budget):
         if not 0.0 <= own < math.inf:
-            problem.refuse(f, f"the budget must be a number of at least 0, and is {own:g}")
+            problem.refuse(f, Sentence("the budget must be a number of at least 0, and is {:g}", own))
     options = _trial(problem, check)
     answers = together(
         [smallest_dilation(own) for own in budget],
@@ -367,11 +368,12 @@ def within_budget(
     )
     for f, (answer, proven) in enumerate(answers):
         if isinstance(answer, OverBudget):
-            problem.refuse(
-                f,
-                f"the budget of {budget[f]:g} cannot be met: the least possible cost is "
-                f"{answer.least:.12g}, for the cuts that connect holes",
-            )
+            unmet = Sentence(
+                "the budget of {:g} cannot be met: the least possible cost is {:.12g}, for the cuts that "
+                "connect holes",
+                budget[f], answer.least,
+            )  # fmt: skip
+            problem.refuse(f, unmet)
         elif not proven:
             unproven[f] = answer.dilation
         tau.append(math.inf if isinstance(answer, OverBudget) else answer.tau)

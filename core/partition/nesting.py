@@ -10,6 +10,7 @@ from typing import Callable, Iterator, NamedTuple
 
 import numpy as np
 
+from ..errors import Sentence
 from ..progress import ignore, stretch
 from ..rings import offsets_of, ranges, take
 from .features import Pieces, Problem, pieces
@@ -81,14 +82,14 @@ def nest(
     prepared, features = problem.prepared, problem.chunk.features
     bad = ~((tau >= 1.0) & (tau < NO_END))
     for f in np.flatnonzero(bad).tolist():
-        problem.refuse(f, f"tau must be a number from 1 to below {NO_END:g}, and is {tau[f]:g}")
+        problem.refuse(f, Sentence("tau must be a number from 1 to below {:g}, and is {:g}", NO_END, tau[f]))
     tau = np.where(bad, 1.0, tau)
     wanted = np.full(len(features), np.nan)
     if count is not None:
         wanted = np.array(count, dtype=float)
         bad = (wanted < 1.0) | (wanted != np.floor(wanted)) & ~np.isnan(wanted) | np.isinf(wanted)
         for f in np.flatnonzero(bad).tolist():
-            problem.refuse(f, f"PARTS must be a whole number of at least 1, and is {wanted[f]:g}")
+            problem.refuse(f, Sentence("PARTS must be a whole number of at least 1, and is {:g}", wanted[f]))
             wanted[f] = np.nan
 
     selection = select(prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False)

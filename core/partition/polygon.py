@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from ..errors import Unsolvable
+from ..errors import Sentence, Unsolvable
 from ..predicates import orientations
 from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
 
@@ -139,13 +139,13 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
 
     empty = np.bincount(row_polygon, minlength=count) == 0
-    verdict[empty] = "empty geometry"
+    verdict[empty] = Sentence("empty geometry")
     bad = np.zeros(count, dtype=bool)
     finite = np.isfinite(xy)
     if not finite.all():
         finite = finite.all(axis=1)
         bad[row_polygon[~finite]] = True
-        verdict[bad] = "coordinates are not finite (NaN or infinity)"
+        verdict[bad] = Sentence("coordinates are not finite (NaN or infinity)")
         xy[~finite] = 0.0
     xy, unit = _scaled(xy, row_polygon, count)
 
@@ -160,7 +160,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     corner_count[some] = np.add.reduceat(is_start, first) if len(some) else 0
     thin = np.zeros(count, dtype=bool)
     thin[ring_polygon[corner_count < 3]] = True
-    verdict[thin & ~empty & ~bad] = "a ring has fewer than three distinct vertices"
+    verdict[thin & ~empty & ~bad] = Sentence("a ring has fewer than three distinct vertices")
     good = verdict == ""
     kept = good[ring_polygon]  # rings
     starts = np.flatnonzero(is_start & good[row_polygon])
@@ -170,7 +170,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     if not valid.all():
         number = np.flatnonzero(good)
         for k in np.flatnonzero(~valid).tolist():
-            verdict[number[k]] = "invalid geometry: " + _reason(shape[k], unit[number[k]])
+            verdict[number[k]] = Sentence("invalid geometry: {}", _reason(shape[k], unit[number[k]]))
         again = np.flatnonzero(kept)
         keep = valid[np.repeat(np.arange(len(valid)), np.diff(polygon_offsets)[good])]
         kept[again[~keep]] = False
@@ -372,7 +372,7 @@ def _reason(shape, unit):
     try:
         reason = shapely.is_valid_reason(shape)
     except shapely.errors.GEOSException:
-        return "it is too fine to be checked"
+        return Sentence("it is too fine to be checked")
     if unit == 1.0:
         return reason
     return reason.split("[")[0].strip()

@@ -12,7 +12,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from .. import metric
-from ..errors import Unsolvable
+from ..errors import Sentence, Unsolvable
 from ..progress import checker, ignore, stretch
 from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
 from . import polygon as polygon_stage
@@ -29,7 +29,7 @@ from .polygon import Polygons, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
-AMBIGUOUS = "the rings could not be connected (their touching is ambiguous)"
+AMBIGUOUS = Sentence("the rings could not be connected (their touching is ambiguous)")
 
 
 class Prepared(NamedTuple):
@@ -498,7 +498,8 @@ def prepare(
                     prepared, carved = _metric(prepared, carved)
                 detour = detours(polygons, edge_length, edges, prepared.length)
                 return prepared._replace(carved=carved, detour=detour)
-            problem = np.where(ambiguous, AMBIGUOUS, "").astype(object)
+            problem = np.full(len(ambiguous), "", dtype=object)
+            problem[ambiguous] = AMBIGUOUS
         verdict[polygons.number] = problem
 
 
@@ -816,7 +817,9 @@ def _connection_problems(polygons, component, wanted, apart):
     for p in np.flatnonzero(apart).tolist():
         own = np.unique(component[slice(*polygons.polygon_offsets[p : p + 2])])
         holes = np.count_nonzero(wanted[own]) - 1
-        problem[p] = f"the candidate diagonals do not connect {apart[p]} of {holes} holes to the rest"
+        problem[p] = Sentence(
+            "the candidate diagonals do not connect {} of {} holes to the rest", apart[p], holes
+        )
     return problem
 
 

@@ -13,7 +13,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 import shapely
 
-from ..errors import MissingEngine
+from ..errors import MissingEngine, Sentence
 from ..progress import ignore
 from ..rings import offsets_of, shapes, take
 from . import engines
@@ -22,19 +22,21 @@ from .polygon import Polygons, is_valid
 
 __all__ = ["Sides", "diagonals", "engine_name", "missing_packages", "sides_of", "triangulate"]
 
-TOO_FINE = "the polygon could not be triangulated (too fine for double precision)"
+TOO_FINE = Sentence("the polygon could not be triangulated (too fine for double precision)")
 
 
 def missing_packages(shapely_module: ModuleType = shapely) -> str:
     """Return what is missing in a few words, or '' if polygons can be triangulated."""
     version = shapely_module.__version__
     if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too
-        return f"shapely 2 is needed, and {version} is installed"
+        return Sentence("shapely 2 is needed, and {} is installed", version)
     if not engine_name():
         only = engines.only_engine()
         if only:
-            return f"the environment variable {engines.VARIABLE} asks for {only!r}, which is not installed"
-        return f"the package pythoncdt or triangle, or shapely 2.1 instead of {version}, is needed"
+            return Sentence(
+                "the environment variable {} asks for {!r}, which is not installed", engines.VARIABLE, only
+            )
+        return Sentence("the package pythoncdt or triangle, or shapely 2.1 instead of {}, is needed", version)
     return ""
 
 
@@ -119,7 +121,8 @@ def triangulate(
                 triangles = triangles[index]
             found.append((triangles, which[good], np.diff(offsets)))
             waiting[which[good]] = False
-    verdict = np.where(waiting, TOO_FINE, "").astype(object)
+    verdict = np.full(count, "", dtype=object)
+    verdict[waiting] = TOO_FINE
     if len(found) == 1:
         return found[0][0], verdict
     triangles, which, size = (

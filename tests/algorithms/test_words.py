@@ -1,9 +1,17 @@
 """Names and numbers of choices, help pages, and what the plugin does at its start."""
 
+import ast
+import pickle
 from pathlib import Path
 
 import pytest
-from qgis.core import QgsApplication, QgsProcessingContext, QgsProcessingException, QgsProcessingParameterEnum
+from qgis.core import (
+    QgsApplication,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingParameterEnum,
+    QgsProperty,
+)
 from qgis.PyQt.QtCore import QUrl
 
 ROOMS = "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 10,0 10,0 0))"
@@ -115,6 +123,56 @@ def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
         assert feedback.warnings[0].startswith("Objekt 2 wurde nicht zerlegt: ")
         said = "\n".join(feedback.infos[:-1])  # Processing itself ends with the results
         assert not any(word in said for word in (" the ", " of ", " is ", " cut")), said
+        # reasons of the core and of parameters, too; in the fields they stay as they are
+        assert "ungültige Geometrie: Self-intersection" in feedback.warnings[0]
+        given["TAU"] = QgsProperty.fromExpression("0.5")
+        result = run("isthmus:partition", given, feedback)
+        assert feedback.warnings[-1] == (
+            "Objekt 2 wurde nicht zerlegt: tau muss eine Zahl ab 1 sein und ist 0.5; "
+            "ungültige Geometrie: Self-intersection[4.5 4.5]."
+        ) or "tau muss eine Zahl ab 1 sein und ist 0.5" in "".join(feedback.warnings)
+        status = {feature["status"] for feature in result["OUTPUT"].getFeatures()}
+        assert "tau must be a number of at least 1, and is 0.5" in status
+        ok, problem = german.checkParameterValues({"MIN_LENGTH": "x"}, QgsProcessingContext())
+        assert not ok and problem == "MIN_LENGTH muss eine Zahl sein und ist 'x'."
     finally:
         QCoreApplication.removeTranslator(translator)
     assert english.create().displayName() == "Partition polygons at bottlenecks"
+
+
+def test_texts_that_nobody_would_translate_are_found(tool):
+    """Sentences that are raised, returned, shown or refused without tr() or Sentence()."""
+    translate = tool("translate")
+    code = """
+def f(x):
+    feedback.pushInfo("this is said")
+    raise QgsProcessingException(f"{x} is raised")
+    raise Unsolvable("the core says so")
+    raise ValueError("what a programmer reads")
+    verdict[x] = "some geometry is odd"
+    return "too many of them" if x else tr("is heard")
+    return Sentence("is kept {}", x), "heard by tr"
+"""
+    found = translate.untold([("f.py", ast.parse(code))], {"heard by tr"})
+    assert [one.split(": ", 2)[-1] for one in found] == [
+        "this is said", "{} is raised", "the core says so", "some geometry is odd", "too many of them",
+    ]  # fmt: skip
+    assert not translate.untold(
+        [("f.py", ast.parse(code))], {*(one.split(": ", 2)[-1] for one in found), "heard by tr"}
+    )
+
+
+def test_a_sentence_of_the_core_keeps_what_it_is_made_of(monkeypatch):
+    from isthmus.algorithms import words
+    from isthmus.core.errors import Sentence, Unsolvable
+
+    inner = Sentence("line {}", 7)
+    sentence = Sentence("it is {:.1f} and {}: {}", 0.25, inner, "line {}")
+    again = pickle.loads(pickle.dumps(sentence))
+    assert sentence == again == "it is 0.2 and line 7: line {}" and again.values == sentence.values
+    assert Unsolvable(sentence).sentence is sentence and str(Unsolvable(sentence)) == sentence
+    german = {"line {}": "Linie {}", "it is {:.1f} and {}: {}": "es ist {:.1f} und {}: {}"}
+    monkeypatch.setattr(words, "tr", german.__getitem__)
+    assert words.spoken(again) == "es ist 0.2 und Linie 7: line {}"
+    assert words.spoken("line {}") == "line {}"  # no sentence, but a name of the user's
+    assert words.as_sentence("is it?") == "Is it?" and words.as_sentence("it is.") == "It is."
