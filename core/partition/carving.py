@@ -73,6 +73,18 @@ def spanning_tree(
     Notes
     -----
     O(k log k) for k edges between components.
+
+    Examples
+    --------
+    Of two edges from the shell to the hole the shorter one is taken.
+
+    >>> from isthmus.core.partition.polygon import boundary_components, from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> rings = np.array([[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4.0]])
+    >>> polygons, _ = from_rings(one_polygon(rings, [0, 4, 7]))
+    >>> edges, length = np.array([[2, 5], [0, 4]]), np.array([6.4, 5.7])
+    >>> spanning_tree(polygons, boundary_components(polygons), edges, length, np.ones(2, dtype=bool))
+    (array([1]), array([0]))
     """
     count = len(polygons.polygon_offsets) - 1
     own = np.flatnonzero(component == np.arange(len(component)))
