@@ -17,7 +17,7 @@ from ..progress import checker, ignore, stretch
 from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
-from .carving import Walk, carve, components, spanning_tree
+from .carving import Walk, carve, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
 from .feet import Places, along_edges, with_feet
@@ -25,7 +25,7 @@ from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witne
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
-from .polygon import Polygons, from_rings
+from .polygon import Polygons, boundary_components, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
@@ -754,7 +754,7 @@ def _sums(owner, values, which, count):
 
 def _components(polygons, measure, min_hole):
     """Component of each ring, which count, and where cuts may end."""
-    component = components(polygons)
+    component = boundary_components(polygons)
     return component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number])
 
 
