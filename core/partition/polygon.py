@@ -18,7 +18,7 @@ import shapely
 
 from ..errors import Sentence, Unsolvable
 from ..predicates import orientations
-from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, take
+from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, spread, take
 
 __all__ = ["Polygons", "boundary_components", "from_rings", "is_valid", "one", "select", "without_rings"]
 
@@ -135,7 +135,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     verdict = np.full(count, "", dtype=object)
     size = np.diff(offsets)
     ring_polygon = groups(polygon_offsets)
-    row_polygon = np.repeat(ring_polygon, size)
+    row_polygon = spread(ring_polygon, offsets)
     xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
 
     empty = np.bincount(row_polygon, minlength=count) == 0
@@ -347,7 +347,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
     first, end = corner_offsets[:-1], corner_offsets[1:]
     corner_xy = xy[starts]
     x = corner_xy[:, 0]
-    leftmost = np.flatnonzero(x == np.repeat(np.minimum.reduceat(x, first), end - first))
+    leftmost = np.flatnonzero(x == spread(np.minimum.reduceat(x, first), corner_offsets))
     own = np.searchsorted(leftmost, first)
     y = corner_xy[leftmost, 1]
     lowest = np.repeat(np.minimum.reduceat(y, own), np.diff(np.append(own, len(leftmost))))
@@ -368,8 +368,11 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         begin = np.where(backwards, lo + after % size, begin)
     row_offsets, step = offsets_of(size), np.where(backwards, -1, 1)
     rows = np.repeat(begin - step * row_offsets[:-1], size)
-    rows += np.arange(len(rows)) if not backwards.any() else np.repeat(step, size) * np.arange(len(rows))
-    for past, back in ((rows >= np.repeat(lo + size, size), -size), (rows < np.repeat(lo, size), size)):
+    rows += np.arange(len(rows)) if not backwards.any() else spread(step, row_offsets) * np.arange(len(rows))
+    for past, back in (
+        (rows >= spread(lo + size, row_offsets), -size),
+        (rows < spread(lo, row_offsets), size),
+    ):
         past = np.flatnonzero(past)
         rows[past] += back[np.searchsorted(row_offsets, past, side="right") - 1]
     begins = is_start[rows]

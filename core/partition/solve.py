@@ -14,7 +14,7 @@ import numpy as np
 from .. import metric
 from ..errors import Sentence, Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
+from ..rings import Rings, offsets_of, one_polygon, ranges, running, spread, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, spanning_tree
@@ -417,6 +417,7 @@ def prepare(
             smallest=smallest[polygons.number] if generalise else None,
             only_natural=natural,
             known=known,
+            with_places=not new_vertices,
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
@@ -428,7 +429,7 @@ def prepare(
             more["share"] = found.share
         if len(new_rows):
             chosen &= ~along_edges(polygons, edges)
-        elif not new_vertices:
+        elif found.places is not None:
             short = found.places
             owner = polygons.polygon_of_vertex[short.apex]
             long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
@@ -466,7 +467,7 @@ def prepare(
         if not (problem != "").any():
             edge_length = measure.length(
                 position, polygons.vertex, polygons.vertex[polygons.next_corner]
-            ) * np.repeat(polygons.unit, np.diff(polygons.corner_offsets))
+            ) * spread(polygons.unit, polygons.corner_offsets)
             if generalise:
                 edge_length = np.where(np.isnan(outline), edge_length, outline)
             prepared = Prepared(
