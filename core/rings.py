@@ -27,6 +27,7 @@ __all__ = [
     "running",
     "shapes",
     "signed_areas",
+    "spread",
     "take",
 ]
 
@@ -82,7 +83,22 @@ def groups(offsets: np.ndarray) -> np.ndarray:
     >>> groups(np.array([0, 2, 2, 5]))
     array([0, 0, 2, 2, 2])
     """
+    if len(offsets) == 2:  # one huge ring: repeat copies element by element
+        return np.zeros(offsets[1] - offsets[0], dtype=np.int64)
     return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+
+
+def spread(values: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """Return the value of its group for each element, only to be read.
+
+    Examples
+    --------
+    >>> spread(np.array([7, 8, 9]), np.array([0, 2, 2, 5]))
+    array([7, 7, 9, 9, 9])
+    """
+    if len(values) == 1:  # one huge ring: repeat copies element by element
+        return np.broadcast_to(values, (offsets[1] - offsets[0],) + values.shape[1:])
+    return np.repeat(values, np.diff(offsets), axis=0)
 
 
 def following(offsets: np.ndarray) -> np.ndarray:
@@ -187,12 +203,13 @@ def running(values: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.nda
     size = np.zeros(len(some))
     total[some] = np.add.reduceat(values, offsets[:-1][some])
     size[some] = np.add.reduceat(np.abs(values), offsets[:-1][some])
-    exponent = 61 - np.frexp(size)[1]
-    of = groups(offsets)
-    steps = np.rint(np.ldexp(values, exponent[of])).astype(np.int64)
+    exponent = spread(61 - np.frexp(size)[1], offsets)
+    steps = np.rint(np.ldexp(values, exponent)).astype(np.int64)
     passed = np.cumsum(steps) - steps  # overflows, which subtraction undoes
-    passed -= passed[offsets[:-1][some]].repeat(np.diff(offsets)[some])
-    return np.ldexp(passed.astype(float), -exponent[of]), total
+    start = np.zeros(len(some), dtype=np.int64)
+    start[some] = passed[offsets[:-1][some]]
+    passed -= spread(start, offsets)
+    return np.ldexp(passed.astype(float), -exponent), total
 
 
 def locate(
@@ -246,7 +263,7 @@ def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:
     if not len(xy):
         return np.zeros(0)
     # near the origin the shoelace formula cancels least
-    x, y = (axis - np.repeat(axis[offsets[:-1]], np.diff(offsets)) for axis in xy.T)
+    x, y = (axis - spread(axis[offsets[:-1]], offsets) for axis in xy.T)
     after = following(offsets)
     return 0.5 * np.add.reduceat(x * y[after] - x[after] * y, offsets[:-1])
 

@@ -1365,7 +1365,7 @@
   </message>
   <message>
    <source>Weights: class change {}, boundary {}, centre distance {}.</source>
-   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Entfernung vom Zentrum {}.</translation>
+   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Abstand vom Zentrum {}.</translation>
   </message>
   <message>
    <source>What to minimize: number or length of cuts</source>
@@ -1457,7 +1457,7 @@
   </message>
   <message>
    <source>centre distance</source>
-   <translation>Entfernung vom Zentrum</translation>
+   <translation>Abstand vom Zentrum</translation>
   </message>
   <message>
    <source>class</source>

@@ -167,7 +167,7 @@ def exact(
     return Exact(found, bound, proven, rounds, len(groups))
 
 
-def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, str]]:
+def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, Sentence]]:
     """Faults of a solution apart from those that nothing can help."""
     return [fault for fault in problems(problem, found) if not lost[found.core[fault[0]]]]
 

@@ -445,12 +445,12 @@ def _class_lengths(problem, members, region, core, number):
     return problem.boundary * (length.sum() - length)
 
 
-def problems(problem: Instance, found: Solution) -> list[tuple[int, str]]:
+def problems(problem: Instance, found: Solution) -> list[tuple[int, Sentence]]:
     """Check a solution from scratch.
 
     Returns
     -------
-    list of (int, str)
+    list of (int, Sentence)
         Regions that are not contiguous, too small, or of a class that none of their areas had.
     """
     result: list[tuple[int, str]] = []

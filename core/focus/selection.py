@@ -14,8 +14,9 @@ import numpy as np
 
 from ..errors import Unsolvable
 from ..partition import polygon as polygon_stage
-from ..partition.carving import carve, components, spanning_tree
+from ..partition.carving import carve, spanning_tree
 from ..partition.min_size import SELF
+from ..partition.polygon import boundary_components
 from ..partition.solve import AMBIGUOUS, partition
 from ..partition.triangulation import diagonals, triangulate
 from ..rings import signed_areas
@@ -98,7 +99,7 @@ def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable)
     A polygon with holes is first joined by a shortest spanning tree (section 4.3).
     """
     polygon, edges = _candidates(coords, offsets)
-    component = components(polygon)
+    component = boundary_components(polygon)
     length = np.hypot(*(polygon.xy[edges[:, 0]] - polygon.xy[edges[:, 1]]).T)
     wanted = np.zeros(len(component), dtype=bool)
     wanted[component] = True

@@ -135,13 +135,13 @@ class Diagonals(NamedTuple):
     edge_length : (c,) float or None
         Length of the polygon edge that leaves each corner, on the generalised outline; NaN at corners
         that are left out.
-    places : feet.Places
-        Where a cut could end inside an edge; the natural ones, if only these are wanted.
+    places : feet.Places or None
+        Where a cut could end inside an edge, if that was asked; the natural ones, if only these are wanted.
     """
 
     edges: np.ndarray
     verdict: np.ndarray
-    places: Places
+    places: Places | None
     why: np.ndarray | None = None
     share: np.ndarray | None = None
     edge_length: np.ndarray | None = None
@@ -156,6 +156,7 @@ def from_triangulation(
     smallest: np.ndarray | None = None,
     only_natural: bool = False,
     known: tuple | None = None,
+    with_places: bool = True,
     engine: str | None = None,
     check: Callable = ignore,
 ) -> Diagonals:
@@ -175,6 +176,8 @@ def from_triangulation(
         Whether only these will be candidates; so are the places then.
     known : tuple, optional
         What `triangulation.triangulate` says of the polygons without the others, if that is known.
+    with_places : bool
+        Whether places where a cut could end inside an edge are asked for.
     measure, engine, check
         See `triangulation.triangulate`.
 
@@ -199,7 +202,7 @@ def from_triangulation(
     sides = sides_of(rest, triangles)
     edges = diagonals(rest, triangles, sides)
     position = measure.positions(rest.xy)
-    short = places(rest, sides, position, measure)
+    short = places(rest, sides, position, measure) if with_places else None
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
     found = Diagonals(vertex[edges], verdict, short)
@@ -208,13 +211,16 @@ def from_triangulation(
         unit = polygons.unit[own]
         least = smallest[own] / unit / unit
         chosen = natural(rest, edges, triangles, position, measure, least)
-        good = large_places(rest, short, measure, least)
-        if only_natural:
-            good &= concave_places(rest, short, chosen.outline)
-        short = Places(*(x[good] for x in short))
+        if short is not None:
+            good = large_places(rest, short, measure, least)
+            if only_natural:
+                good &= concave_places(rest, short, chosen.outline)
+            short = Places(*(x[good] for x in short))
         edge_length = np.full(len(polygons.vertex), np.nan)
         edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
         found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
+    if short is None:
+        return found
     return found._replace(places=short._replace(apex=vertex[short.apex], edge=corner[short.edge]))
 
 

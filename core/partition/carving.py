@@ -17,7 +17,7 @@ from ..predicates import ccw_order
 from ..rings import groups, offsets_of, ranges
 from .polygon import Polygons
 
-__all__ = ["Walk", "carve", "components", "spanning_tree"]
+__all__ = ["Walk", "carve", "spanning_tree"]
 
 
 class Walk(NamedTuple):
@@ -41,45 +41,6 @@ class Walk(NamedTuple):
     i: np.ndarray
     j: np.ndarray
     offsets: np.ndarray
-
-
-def components(polygons: Polygons) -> np.ndarray:
-    """Return the (r,) number of the boundary component of each ring: that of its first ring.
-
-    Notes
-    -----
-    O(c log c) for c corners at points where rings touch; nothing else is looked at.
-
-    Examples
-    --------
-    >>> from isthmus.core.partition.polygon import from_rings
-    >>> from isthmus.core.rings import one_polygon
-    >>> rings = [[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4], [5, 4], [6, 5], [6, 4.0]]
-    >>> components(from_rings(one_polygon(np.array(rings), [0, 4, 7, 10]))[0])
-    array([0, 1, 1])
-    """
-    number = np.arange(len(polygons.offsets) - 1)
-    if len(polygons.vertex) == len(polygons.xy):
-        return number
-    passes = np.bincount(polygons.vertex, minlength=len(polygons.xy))
-    shared = np.flatnonzero(passes[polygons.vertex] > 1)
-    shared = shared[np.argsort(polygons.vertex[shared], kind="stable")]
-    same = polygons.vertex[shared[1:]] == polygons.vertex[shared[:-1]]
-    ring = np.searchsorted(polygons.offsets, shared, side="right") - 1
-    a, b = ring[:-1][same], ring[1:][same]
-    while True:
-        # hang the larger of two numbers on the smaller, then everything on its root
-        a, b = number[a], number[b]
-        apart = a != b
-        if not apart.any():
-            return number
-        a, b = a[apart], b[apart]
-        np.minimum.at(number, np.maximum(a, b), np.minimum(a, b))
-        while True:
-            root = number[number]
-            if np.array_equal(root, number):
-                break
-            number = root
 
 
 def spanning_tree(
@@ -112,6 +73,18 @@ def spanning_tree(
     Notes
     -----
     O(k log k) for k edges between components.
+
+    Examples
+    --------
+    Of two edges from the shell to the hole the shorter one is taken.
+
+    >>> from isthmus.core.partition.polygon import boundary_components, from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> rings = np.array([[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4.0]])
+    >>> polygons, _ = from_rings(one_polygon(rings, [0, 4, 7]))
+    >>> edges, length = np.array([[2, 5], [0, 4]]), np.array([6.4, 5.7])
+    >>> spanning_tree(polygons, boundary_components(polygons), edges, length, np.ones(2, dtype=bool))
+    (array([1]), array([0]))
     """
     count = len(polygons.polygon_offsets) - 1
     own = np.flatnonzero(component == np.arange(len(component)))

@@ -226,7 +226,7 @@ def _ring_trees(polygons, passed):
         while front:
             r = front.pop()
             for v, d in points[r]:
-                for other, there in at[v]:
+                for other, there in at.pop(v, ()):  # once: then all that are there are reached
                     if other not in reached:
                         reached.add(other)
                         root[other], parent[other], depth[other] = first, r, depth[r] + 1

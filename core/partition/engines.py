@@ -21,7 +21,7 @@ import shapely
 
 from ..predicates import orientations
 from ..progress import ignore
-from ..rings import groups, offsets_of
+from ..rings import groups, offsets_of, spread
 
 __all__ = ["ENGINES", "engine_name", "engine_names", "only_engine", "triangulate"]
 
@@ -124,7 +124,7 @@ def _survives(xy, vertex_offsets):
 
 def _local(vertex_offsets, segments, segment_offsets, dtype):
     """The segments of each polygon by the numbers of its own vertices."""
-    shift = np.repeat(vertex_offsets[:-1], np.diff(segment_offsets))
+    shift = spread(vertex_offsets[:-1], segment_offsets)
     return (segments - shift[:, None]).astype(dtype)
 
 

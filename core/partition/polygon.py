@@ -18,9 +18,9 @@ import shapely
 
 from ..errors import Sentence, Unsolvable
 from ..predicates import orientations
-from ..rings import Rings, following, groups, offsets_of, one_polygon, ranges, shapes, take
+from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, spread, take
 
-__all__ = ["Polygons", "from_rings", "is_valid", "one", "select", "without_rings"]
+__all__ = ["Polygons", "boundary_components", "from_rings", "is_valid", "one", "select", "without_rings"]
 
 
 class _Arrays(NamedTuple):
@@ -135,7 +135,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     verdict = np.full(count, "", dtype=object)
     size = np.diff(offsets)
     ring_polygon = groups(polygon_offsets)
-    row_polygon = np.repeat(ring_polygon, size)
+    row_polygon = spread(ring_polygon, offsets)
     xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
 
     empty = np.bincount(row_polygon, minlength=count) == 0
@@ -236,6 +236,43 @@ def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]
     ), vertex
 
 
+def boundary_components(polygons: Polygons) -> np.ndarray:
+    """Return the (r,) number of the boundary component of each ring: that of its first ring.
+
+    Notes
+    -----
+    O(c log c) for c corners at points where rings touch; nothing else is looked at.
+
+    Examples
+    --------
+    >>> rings = [[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4], [5, 4], [6, 5], [6, 4.0]]
+    >>> boundary_components(from_rings(one_polygon(np.array(rings), [0, 4, 7, 10]))[0])
+    array([0, 1, 1])
+    """
+    number = np.arange(len(polygons.offsets) - 1)
+    if len(polygons.vertex) == len(polygons.xy):
+        return number
+    passes = np.bincount(polygons.vertex, minlength=len(polygons.xy))
+    shared = np.flatnonzero(passes[polygons.vertex] > 1)
+    shared = shared[np.argsort(polygons.vertex[shared], kind="stable")]
+    same = polygons.vertex[shared[1:]] == polygons.vertex[shared[:-1]]
+    ring = np.searchsorted(polygons.offsets, shared, side="right") - 1
+    a, b = ring[:-1][same], ring[1:][same]
+    while True:
+        # hang the larger of two numbers on the smaller, then everything on its root
+        a, b = number[a], number[b]
+        apart = a != b
+        if not apart.any():
+            return number
+        a, b = a[apart], b[apart]
+        np.minimum.at(number, np.maximum(a, b), np.minimum(a, b))
+        while True:
+            root = number[number]
+            if np.array_equal(root, number):
+                break
+            number = root
+
+
 def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, np.ndarray]:
     """Return polygons without some holes, good for a triangulation, and their vertices' numbers.
 
@@ -310,7 +347,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
     first, end = corner_offsets[:-1], corner_offsets[1:]
     corner_xy = xy[starts]
     x = corner_xy[:, 0]
-    leftmost = np.flatnonzero(x == np.repeat(np.minimum.reduceat(x, first), end - first))
+    leftmost = np.flatnonzero(x == spread(np.minimum.reduceat(x, first), corner_offsets))
     own = np.searchsorted(leftmost, first)
     y = corner_xy[leftmost, 1]
     lowest = np.repeat(np.minimum.reduceat(y, own), np.diff(np.append(own, len(leftmost))))
@@ -331,8 +368,11 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         begin = np.where(backwards, lo + after % size, begin)
     row_offsets, step = offsets_of(size), np.where(backwards, -1, 1)
     rows = np.repeat(begin - step * row_offsets[:-1], size)
-    rows += np.arange(len(rows)) if not backwards.any() else np.repeat(step, size) * np.arange(len(rows))
-    for past, back in ((rows >= np.repeat(lo + size, size), -size), (rows < np.repeat(lo, size), size)):
+    rows += np.arange(len(rows)) if not backwards.any() else spread(step, row_offsets) * np.arange(len(rows))
+    for past, back in (
+        (rows >= spread(lo + size, row_offsets), -size),
+        (rows < spread(lo, row_offsets), size),
+    ):
         past = np.flatnonzero(past)
         rows[past] += back[np.searchsorted(row_offsets, past, side="right") - 1]
     begins = is_start[rows]
@@ -383,68 +423,88 @@ def _merge_touching(polygons):
 
     In a valid polygon two rings have at most one point in common. It is a vertex of at least one.
     """
-    one, other = _touching(polygons)
-    if not len(one):
+    holes = np.diff(polygons.polygon_offsets) - 1
+    if not holes.any():
         return polygons
-    touching = np.unique(one)
-    corners, size = _by_place(polygons, touching)
-    # mostly both have a vertex there; edges are searched only for the others
-    shared = np.repeat(size > 1, size)
-    size_of, begin = size[size > 1], offsets_of(size[size > 1])[:-1]
-    ring = polygons.ring_of_corner[corners[shared]]
-    pair = (
-        np.repeat(ring, np.repeat(size_of, size_of)),
-        ring[ranges(np.repeat(begin, size_of), np.repeat(size_of, size_of))],
-    )
-    count = len(polygons.offsets)
-    on_edge = ~np.isin(one * count + other, pair[0] * count + pair[1])
-    if on_edge.any():
-        polygons = _insert_corners(polygons, np.unique(one[on_edge]))
-        corners, size = _by_place(polygons, touching)
-    first = corners[offsets_of(size)[:-1]]
+    rings, _ = take(polygons.polygon_offsets, np.flatnonzero(holes > 0))
+    merged = _one_vertex_a_place(polygons, rings)
+    on_edge = _touching_on_edges(merged, rings)
+    if not len(on_edge):
+        return merged
+    return _one_vertex_a_place(_insert_corners(polygons, merged.vertex, on_edge), rings)
+
+
+def _one_vertex_a_place(polygons, rings):
+    """Give the corners of some rings that are at one point of their polygon one vertex."""
+    corners, _ = take(polygons.offsets, rings)
+    x, y = polygons.xy[corners].T
+    order = np.argsort(x, kind="stable")
+    same = x[order[1:]] == x[order[:-1]]
+    same = order[np.append(same, False) | np.append(False, same)]  # others are alone at their place
+    owner = polygons.polygon_of_ring[polygons.ring_of_corner[corners[same]]]
+    order = np.lexsort((y[same], x[same], owner))
+    owner, x, y, corners = owner[order], x[same][order], y[same][order], corners[same][order]
+    first = np.append(True, (owner[1:] != owner[:-1]) | (x[1:] != x[:-1]) | (y[1:] != y[:-1]))
+    if first.all():
+        return polygons
     representative = np.arange(len(polygons.vertex))
-    representative[corners] = np.repeat(first, size)
+    representative[corners] = corners[np.maximum.accumulate(np.where(first, np.arange(len(first)), 0))]
     kept, vertex = np.unique(representative, return_inverse=True)
     return polygons._replace(xy=polygons.xy[kept], vertex=vertex.ravel())
 
 
-def _by_place(polygons, rings):
-    """Corners of rings, those at one point of a polygon side by side, and how many are at each point."""
-    corners, _ = take(polygons.offsets, rings)
-    owner = polygons.polygon_of_ring[polygons.ring_of_corner[corners]]
-    x, y = polygons.xy[corners].T
-    order = np.lexsort((corners, y, x, owner))
-    owner, x, y = owner[order], x[order], y[order]
-    new = np.append(True, (owner[1:] != owner[:-1]) | (x[1:] != x[:-1]) | (y[1:] != y[:-1]))
-    return corners[order], np.diff(np.append(np.flatnonzero(new), len(new)))
+def _touching_on_edges(polygons, rings):
+    """Rings that touch others at no vertex that both have, ascending, and those joined to them by vertices.
+
+    Rings that are joined by vertices do not touch anywhere else, or they would enclose a piece of the
+    interior: so they are looked up as one. Else many holes at one point would be pairs, each with each.
+    """
+    component = boundary_components(polygons)
+    corner, offsets = take(polygons.offsets, rings)
+    lines = np.empty(len(component), dtype=object)
+    lines[rings] = shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
+    size = np.bincount(component)
+    joined = rings[size[component[rings]] > 1]
+    if len(joined):
+        joined = joined[np.argsort(component[joined], kind="stable")]
+        first, number = np.unique(component[joined], return_inverse=True)
+        lines[first] = shapely.multilinestrings(lines[joined], indices=number)
+    alone = rings[component[rings] == rings]
+    owner = polygons.polygon_of_ring[alone]
+    begin = np.flatnonzero(np.diff(owner, prepend=-1))
+    size = np.diff(np.append(begin, len(alone)))
+    # two: no tree is needed, and all such polygons are one call
+    pair = alone[begin[size == 2]], alone[begin[size == 2] + 1]
+    met = shapely.intersects(lines[pair[0]], lines[pair[1]])
+    found = [pair[0][met], pair[1][met]]
+    for lo, n in zip(begin[size > 2].tolist(), size[size > 2].tolist()):
+        found += _intersecting(alone[lo : lo + n], lines)
+    touching = np.zeros(len(component), dtype=bool)
+    touching[np.concatenate(found)] = True
+    return np.flatnonzero(touching[component])
 
 
-def _touching(polygons):
-    """Pairs of rings of a polygon that touch, each in both orders."""
-    holes = np.diff(polygons.polygon_offsets) - 1
-    if not holes.any():
-        return np.empty((2, 0), dtype=np.int64)
-    lines = np.empty(len(polygons.offsets) - 1, dtype=object)
-    with_holes = np.flatnonzero(holes > 0)
-    ring, _ = take(polygons.polygon_offsets, with_holes)
-    corner, offsets = take(polygons.offsets, ring)
-    lines[ring] = shapely.linearrings(polygons.xy[polygons.vertex[corner]], indices=groups(offsets))
-    # one hole: no tree is needed, and all such polygons are one call
-    shell = polygons.polygon_offsets[:-1][holes == 1]
-    met = shell[shapely.intersects(lines[shell], lines[shell + 1])]
-    found = [(met, met + 1), (met + 1, met)]
-    for p in np.flatnonzero(holes > 1).tolist():
-        lo, hi = polygons.polygon_offsets[p : p + 2].tolist()
-        tree = shapely.STRtree(lines[lo + 1 : hi])
-        met = lo + 1 + tree.query(lines[lo], predicate="intersects")
-        shell = np.full(len(met), lo)
-        pairs = tree.query(lines[lo + 1 : hi], predicate="intersects")
-        found += [(met, shell), (shell, met), lo + 1 + pairs[:, pairs[0] != pairs[1]]]
-    return np.concatenate(found, axis=1)
+def _intersecting(numbers, lines):
+    """Those of some lines, given by their numbers, that meet another of them."""
+    # the larger line of a pair is the prepared one: it is not walked again for each small line
+    numbers = numbers[np.argsort(-shapely.get_num_coordinates(lines[numbers]), kind="stable")]
+    lines = lines[numbers]
+    shapely.prepare(lines)
+    tree, found = shapely.STRtree(lines), []
+    for lo in range(0, len(lines), 1000):  # boxes may meet each with each
+        one, other = tree.query(lines[lo : lo + 1000])
+        one += lo
+        one, other = one[one < other], other[one < other]
+        met = shapely.intersects(lines[one], lines[other])
+        found += [numbers[one[met]], numbers[other[met]]]
+    return found
 
 
-def _insert_corners(polygons, touching):
-    """Insert a corner where a vertex of one touching ring lies inside an edge of another."""
+def _insert_corners(polygons, vertex, touching):
+    """Insert a corner where a vertex of one touching ring lies inside an edge of another.
+
+    ``vertex`` tells which corners are at one point: each point is looked up once.
+    """
     xy = polygons.xy
     owner = polygons.polygon_of_ring[touching]
     points, edges = [], []
@@ -452,8 +512,9 @@ def _insert_corners(polygons, touching):
         corners, _ = take(polygons.offsets, rings)
         ends = corners[following(offsets_of(np.diff(polygons.offsets)[rings]))]
         segments = shapely.linestrings(np.stack((xy[corners], xy[ends]), axis=1))
-        point, edge = shapely.STRtree(segments).query(shapely.points(xy[corners]), predicate="intersects")
-        points.append(corners[point])
+        places = np.sort(corners[np.unique(vertex[corners], return_index=True)[1]])
+        point, edge = shapely.STRtree(segments).query(shapely.points(xy[places]), predicate="intersects")
+        points.append(places[point])
         edges.append(corners[edge])
     point, edge = np.concatenate(points), np.concatenate(edges)
     end = polygons.next_corner[edge]

@@ -14,10 +14,10 @@ import numpy as np
 from .. import metric
 from ..errors import Sentence, Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, offsets_of, one_polygon, ranges, running, take
+from ..rings import Rings, offsets_of, one_polygon, ranges, running, spread, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
-from .carving import Walk, carve, components, spanning_tree
+from .carving import Walk, carve, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
 from .feet import Places, along_edges, with_feet
@@ -25,7 +25,7 @@ from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witne
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
 from .parts import Parts, build_parts
-from .polygon import Polygons, from_rings
+from .polygon import Polygons, boundary_components, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
 
@@ -417,6 +417,7 @@ def prepare(
             smallest=smallest[polygons.number] if generalise else None,
             only_natural=natural,
             known=known,
+            with_places=not new_vertices,
             check=stretch(check, 0.15, 0.7),
         )
         edges, problem, outline = found.edges, found.verdict, found.edge_length
@@ -428,7 +429,7 @@ def prepare(
             more["share"] = found.share
         if len(new_rows):
             chosen &= ~along_edges(polygons, edges)
-        elif not new_vertices:
+        elif found.places is not None:
             short = found.places
             owner = polygons.polygon_of_vertex[short.apex]
             long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
@@ -466,7 +467,7 @@ def prepare(
         if not (problem != "").any():
             edge_length = measure.length(
                 position, polygons.vertex, polygons.vertex[polygons.next_corner]
-            ) * np.repeat(polygons.unit, np.diff(polygons.corner_offsets))
+            ) * spread(polygons.unit, polygons.corner_offsets)
             if generalise:
                 edge_length = np.where(np.isnan(outline), edge_length, outline)
             prepared = Prepared(
@@ -754,7 +755,7 @@ def _sums(owner, values, which, count):
 
 def _components(polygons, measure, min_hole):
     """Component of each ring, which count, and where cuts may end."""
-    component = components(polygons)
+    component = boundary_components(polygons)
     return component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number])
 
 

@@ -1,9 +1,9 @@
 """Natural candidates: do the cuts fall where people, maps and names have them?
 
-    ./run python tests/benchmarks/natural.py [shapes] [layers] [coasts] [necks] [basins] [levels] [time]
+    ./run python tests/benchmarks/natural.py [PART ...]
 
-Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json.
-`shapes` and `basins` read data that are not part of the project, from the
+The parts are shapes, vertices, layers, coasts, necks, basins, levels, time. Without arguments all of it. --note writes what the pages tell to docs/measured/natural.json.
+`shapes`, `vertices` and `basins` read data that are not part of the project, from the
 folder shared/ beside it (or $ISTHMUS_SHARED); `coasts`, `necks`, `levels` and `time` read GSHHG (see gshhg.py
 for the package to install). What is missing is said, and skipped. On maps the smallest part is
 1 % of its feature and tau is 3; on silhouettes 0.2 % and 1, as the tables say.
@@ -89,29 +89,13 @@ def measured_shapes():
     path, tool = SHARED / "data/shapes/shapes_dev.npz", SHARED / "tools/score_shapes.py"
     if missing(path) or missing(tool):
         return
-    spec = importlib.util.spec_from_file_location("score_shapes", tool)
-    people = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(people)
-    data = people.load(path)
+    people, data = silhouettes()
     told = [(one["ring"], [0, len(one["ring"])]) for one in data]
     rings = stages.together(told)
     # halves by name, so that one kind of thing is in one of them
     kind = [one["name"].rstrip("0123456789").rstrip("-_") for one in data]
     first = np.isin(kind, sorted(set(kind))[::2])
     person = np.mean([people.person(one)[1] for one in data])
-
-    def agreement(prepared, tau):
-        parts = solve.finish(prepared, solve.select(prepared, tau)).parts
-        outlines = [shapely.Polygon(rings.coords[part[0], :2]) for part in parts.rings]
-        found = []
-        for k, one in enumerate(data):
-            own = outlines[parts.part_offsets[k] : parts.part_offsets[k + 1]]
-            middle = shapely.points(one["triangle"].mean(axis=1))
-            triangle, part = shapely.STRtree(own).query_nearest(middle, all_matches=False)
-            label = np.empty(len(middle), dtype=int)
-            label[triangle] = part
-            found.append(people.score(one, label)[1])
-        return np.array(found)
 
     rows = [("a person against another", "", "", f"{person:.3f}", "", "")]
     NOTED.update(silhouettes=len(data), person=round(person, 2))
@@ -122,7 +106,8 @@ def measured_shapes():
     for place, smallest, tau in settings:
         if smallest not in prepared:
             prepared[smallest] = prepare(rings, smallest)
-        ari = agreement(prepared[smallest], tau)
+        selection = solve.select(prepared[smallest], tau)
+        ari = agreement(people, data, rings, solve.finish(prepared[smallest], selection).parts)
         share = "" if smallest is None else f"{smallest:.1%}"
         name = {
             ("Any", None, 4.0): "any",
@@ -136,6 +121,92 @@ def measured_shapes():
         )
     print(f"Agreement with people (ARI), {len(data)} silhouettes; to reach: 0.53, and 0.45 at tau = {TAU:g}")
     table(("places", "smallest part", "tau", "ARI", "half of the kinds", "other half"), rows)
+
+
+def silhouettes():
+    """The module that scores them, and the silhouettes of the development half."""
+    spec = importlib.util.spec_from_file_location("score_shapes", SHARED / "tools/score_shapes.py")
+    people = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(people)
+    return people, people.load(SHARED / "data/shapes/shapes_dev.npz")
+
+
+def agreement(people, data, rings, parts, back=lambda xy: xy):
+    """(s,) float: the ARI of parts with people's; ``back`` takes vertices to where people saw them."""
+    outlines = [shapely.Polygon(back(rings.coords[part[0], :2])) for part in parts.rings]
+    found = []
+    for k, one in enumerate(data):
+        own = outlines[parts.part_offsets[k] : parts.part_offsets[k + 1]]
+        middle = shapely.points(one["triangle"].mean(axis=1))
+        triangle, part = shapely.STRtree(own).query_nearest(middle, all_matches=False)
+        label = np.empty(len(middle), dtype=int)
+        label[triangle] = part
+        found.append(people.score(one, label)[1])
+    return np.array(found)
+
+
+def measured_vertices():
+    """The same silhouettes with other vertices: do people's parts come out as before?"""
+    path = SHARED / "data/shapes/shapes_dev.npz"
+    if missing(path) or missing(SHARED / "tools/score_shapes.py"):
+        return
+    people, data = silhouettes()
+    told = [shapely.Polygon(one["ring"]) for one in data]
+
+    def width(shape):
+        west, south, east, north = shape.bounds
+        return max(east - west, north - south)
+
+    def quartered(shape):
+        ring = shapely.get_coordinates(shape)
+        at = np.arange(0, len(ring) - 1, 0.25)
+        here, share = ring[at.astype(int)], (at % 1.0)[:, None]
+        return shapely.Polygon(here + (ring[at.astype(int) + 1] - here) * share)
+
+    turn = np.array(((0.6, 0.8), (-0.8, 0.6)))
+    ways = {
+        "as they are": lambda shape: shape,
+        "turned by 53 degrees, and 5 million away": lambda shape: shapely.transform(
+            shape, lambda xy: xy @ turn + 5e6
+        ),
+        "each edge in four": quartered,
+        "a vertex every 1/200 of the width": lambda shape: shapely.segmentize(shape, width(shape) / 200),
+        "generalised by 0.3 % of the width": lambda shape: shapely.simplify(shape, 0.003 * width(shape)),
+        "outlines of pixels, 300 to a width": lambda shape: of_pixels(shape, width(shape) / 300),
+        "outlines of pixels, 100 to a width": lambda shape: of_pixels(shape, width(shape) / 100),
+    }
+    rows = []
+    for name, way in ways.items():
+        shown = [way(one) for one in told]
+        back = (lambda xy: (xy - 5e6) @ turn.T) if "turned" in name else (lambda xy: xy)
+        row = [name, sum(len(one.exterior.coords) - 1 for one in shown)]
+        rings = stages.together([shapes.from_shapely(one) for one in shown])
+        for smallest, tau in ((0.002, 1.0), (SMALLEST, TAU)):
+            prepared = prepare(rings, smallest)
+            selection = solve.select(prepared, tau)
+            found = agreement(people, data, rings, solve.finish(prepared, selection).parts, back)
+            row += [len(selection.selected), f"{found.mean():.3f}"]
+        rows.append(row)
+    print("The same silhouettes with other vertices: cuts, and agreement with people")
+    table(("", "vertices", "cuts, 0.2 %, tau 1", "ARI", f"cuts, 1 %, tau {TAU:g}", "ARI"), rows)
+
+
+def of_pixels(shape, size):
+    """The largest piece of the pixels with their middles in a polygon, as a raster is made polygons."""
+    west, south, east, north = shape.bounds
+    x, y = np.arange(west - size, east + size, size), np.arange(south - size, north + size, size)
+    middle = np.meshgrid(x + size / 2, y + size / 2)
+    full = np.zeros(np.array(middle[0].shape) + 2, dtype=bool)
+    shapely.prepare(shape)
+    full[1:-1, 1:-1] = shapely.contains_xy(shape, *middle)
+    lines = []  # one for each edge between a full pixel and an empty one
+    for axis, step in enumerate(((1, 0), (0, 1))):
+        row, column = np.nonzero(np.diff(full, axis=axis))
+        low = np.column_stack((column, row)) - step
+        lines.append(np.stack((low, low + step), axis=1))
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(np.concatenate(lines).astype(float))))
+    largest = max((shapely.Polygon(face.exterior) for face in faces), key=lambda face: face.area)
+    return shapely.transform(shapely.simplify(largest, 0), lambda xy: xy * size + (x[0], y[0]))
 
 
 # ------------------------------------------------------------------------------------------- layers
@@ -289,7 +360,9 @@ def measured_necks():
             maps[f"GSHHG {letter}"] = lands(letter, 12)
     rows = {name: [name] for name in names["NECKS"]}
     kinds = "of the page", "as typed"
+    inside = {}  # whether the line as typed lies in the land of the map: else there is no such neck
     total = {(kind, what): [] for what in ("coast", "ends") for kind in kinds}
+    drawn = []
     for label, shape in maps.items():
         best = {(name, kind): (np.inf, 0.0) for name in names["NECKS"] for kind in kinds}
         for one in shape:
@@ -297,6 +370,8 @@ def measured_necks():
                 ring = shapely.get_coordinates(one.exterior)[:-1]
                 cuts = ends_of_cuts(one, TAU, least / ground(one).area)
                 for name, ends in names["NECKS"].items():
+                    if typed_in_land(one, ring, np.array(ends)):
+                        inside[label, name] = True
                     for kind, found in zip(kinds, against_neck(ring, cuts, np.array(ends))):
                         away, same = best[name, kind]
                         best[name, kind] = min(found[0], away), max(found[1], same)
@@ -307,6 +382,8 @@ def measured_necks():
         for kind in kinds:
             total[kind, "coast"].append(np.mean([best[name, kind][1] >= 0.75 for name in real]))
             total[kind, "ends"].append(np.mean([best[name, kind][0] <= 60.0 for name in real]))
+        there = [name for name in real if (label, name) in inside]
+        drawn.append((len(there), sum(best[name, kinds[1]][1] >= 0.75 for name in there)))
         key = label.replace(" ", "_").replace("'", "")
         for noted, what in (("necks", "coast"), ("necks_ends", "ends")):
             NOTED.setdefault(noted, {})[key] = round(100 * total[kinds[0], what][-1])
@@ -314,7 +391,8 @@ def measured_necks():
         f"Named necks, smallest part {least / 1e6:,.0f} km2, tau = {TAU:g}: the best cut's share of the "
         "coast in common with what the neck of the page holds (of the coast that either has), and how far "
         "the ends of the nearest cut lie from that neck's; to reach: 90 %. As typed: of the vertices next "
-        "to the places from which the page looks for the neck"
+        "to the places from which the page looks for the neck; drawable: only where the line between these "
+        "vertices lies in the land of that map"
     )
     words = {"coast": "three quarters of the coast in common", "ends": "ends within 60 km"}
     table(
@@ -325,8 +403,22 @@ def measured_necks():
                 [f"**{words[what]}**, {kind}", *(f"{share:.0%}" for share in shares)]
                 for (kind, what), shares in total.items()
             ),
+            [
+                f"**{words['coast']}**, as typed, where drawable",
+                *(f"{hit} of {count}: {hit / count:.0%}" for count, hit in drawn),
+            ],
         ],
     )
+
+
+def typed_in_land(shape, ring, ends):
+    """Whether the land holds the line between the vertices next to two places, which lie within 60 km."""
+    place = GLOBE.positions(ring)
+    far = [np.linalg.norm(place - end, axis=1) for end in GLOBE.positions(ends)]
+    if max(distance.min() for distance in far) > 60_000:
+        return False
+    line = shapely.LineString(ring[[int(np.argmin(distance)) for distance in far]])
+    return bool(shapely.covers(shapely.Polygon(shape.exterior), line))
 
 
 def against_neck(ring, cuts, ends):

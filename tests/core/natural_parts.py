@@ -6,9 +6,8 @@ import shapely
 from isthmus.core import metric
 from isthmus.core.partition import solve
 from isthmus.core.partition.candidates import counted
-from isthmus.core.partition.carving import components
 from isthmus.core.partition.natural import natural
-from isthmus.core.partition.polygon import from_rings, without_rings
+from isthmus.core.partition.polygon import boundary_components, from_rings, without_rings
 from isthmus.core.partition.triangulation import diagonals, triangulate
 
 
@@ -24,7 +23,7 @@ def prepare(rings, smallest, measure=None):
     if callable(smallest):
         smallest = smallest(shell_areas(polygons, measure))
     smallest = np.broadcast_to(np.asarray(smallest, dtype=float), len(polygons.unit))
-    component = components(polygons)
+    component = boundary_components(polygons)
     wanted, attachable = counted(polygons, component, measure.equal_area, smallest)
     free = ~wanted[component]
     rest, vertex = without_rings(polygons, free) if free.any() else (polygons, None)

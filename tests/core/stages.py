@@ -3,7 +3,8 @@
 import numpy as np
 from isthmus.core.errors import Unsolvable
 from isthmus.core.partition import triangulation
-from isthmus.core.partition.carving import carve, components, spanning_tree
+from isthmus.core.partition.carving import carve, spanning_tree
+from isthmus.core.partition.polygon import boundary_components
 from isthmus.core.partition.solve import prepare
 from isthmus.core.rings import Rings, offsets_of, one_polygon
 
@@ -28,7 +29,7 @@ def diagonals(polygon, conformal=None, engine=None):
 
 def carved(polygon, edges, length):
     """T, and the walk around a polygon carved open along it."""
-    component = components(polygon)
+    component = boundary_components(polygon)
     wanted = np.zeros(len(component), dtype=bool)
     wanted[component] = True
     tree, apart = spanning_tree(polygon, component, edges, length, wanted)

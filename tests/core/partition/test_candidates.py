@@ -13,7 +13,7 @@ from isthmus.core.partition.candidates import (
     from_lines,
     from_triangulation,
 )
-from isthmus.core.partition.carving import components
+from isthmus.core.partition.polygon import boundary_components
 from isthmus.core.metric import planar
 from isthmus.core.partition.polygon import one as from_rings
 
@@ -114,7 +114,9 @@ def test_order_of_the_lines_does_not_matter(seed):
 
 def attachments(s, min_hole):
     polygon = from_rings(*s)
-    wanted, attachable = counted(polygon, components(polygon), planar().equal_area, np.array([min_hole]))
+    wanted, attachable = counted(
+        polygon, boundary_components(polygon), planar().equal_area, np.array([min_hole])
+    )
     return set(np.flatnonzero(wanted).tolist()), {tuple(p) for p in polygon.xy[attachable]}
 
 
@@ -123,7 +125,7 @@ def test_a_neck_can_be_cut_beside_an_islet():
     islet = [(4.9, 4.9), (4.9, 5.1), (5.1, 5.1), (5.1, 4.9)]
     shell = [(0, 0), (4.8, 4), (5, 4), (5.2, 4), (10, 0), (10, 10), (5.2, 6), (5, 6), (4.8, 6), (0, 10)]
     polygon = from_rings(*shapes.shape(shell, islet))
-    component = components(polygon)
+    component = boundary_components(polygon)
     wanted, attachable = counted(polygon, component, planar().equal_area, np.ones(1))
     edges = from_triangulation(polygon, component, wanted, measure=planar()).edges
     ends = {frozenset(map(tuple, polygon.xy[edge])) for edge in edges}

@@ -3,8 +3,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from isthmus.core.partition.carving import carve, components, spanning_tree
+from isthmus.core.partition.carving import carve, spanning_tree
 from isthmus.core.metric import planar
+from isthmus.core.partition.polygon import boundary_components
 from isthmus.core.partition.polygon import one as from_rings
 
 from .. import shapes, stages
@@ -23,7 +24,7 @@ def prepared(s):
     polygon = from_rings(*s)
     edges = stages.diagonals(polygon)
     length = planar().length(polygon.xy, *edges.T)
-    component = components(polygon)
+    component = boundary_components(polygon)
     wanted = np.zeros(len(component), dtype=bool)
     wanted[component] = True
     return polygon, component, edges, length, wanted
@@ -43,7 +44,7 @@ def prepared(s):
     ],
 )
 def test_components(name, expected):
-    assert components(from_rings(*CASES[name])).tolist() == expected
+    assert boundary_components(from_rings(*CASES[name])).tolist() == expected
 
 
 @pytest.mark.parametrize("name", CASES)

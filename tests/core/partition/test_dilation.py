@@ -5,7 +5,8 @@ import pytest
 
 from .. import checker
 from isthmus.core.partition import triangulation
-from isthmus.core.partition.carving import carve, components, spanning_tree
+from isthmus.core.partition.carving import carve, spanning_tree
+from isthmus.core.partition.polygon import boundary_components
 from isthmus.core.partition.dilation import (
     boundary_graph,
     detours,
@@ -290,7 +291,7 @@ def all_stages(prepared, tau):
     """Everything that carving and dilations say, for each polygon, in its own numbers."""
     polygons, edges = prepared.polygons, prepared.edges
     count = len(polygons.unit)
-    component = components(polygons)
+    component = boundary_components(polygons)
     ring_of = polygons.polygon_offsets[:-1]
     selected, role, bound = solution(prepared, tau, 0.2)
     kept = dropped(prepared, selected, role, bound, tau)
@@ -354,7 +355,7 @@ def test_parts_of_a_chunk_that_fail_leave_the_rest():
     assert not (problems != "").any()
     edges = triangulation.diagonals(polygons, triangles)
     length = planar().length(polygons.xy, *edges.T)
-    component = components(polygons)
+    component = boundary_components(polygons)
     wanted = np.zeros(len(component), dtype=bool)
     wanted[component] = True
     owner = polygons.polygon_of_vertex[edges[:, 0]]

@@ -5,6 +5,7 @@ import pytest
 import shapely
 
 from isthmus.core import metric
+from isthmus.core.partition import candidates
 from isthmus.core.partition import solve as road
 from isthmus.core.partition.feet import along_edges, places, with_feet
 from isthmus.core.partition.min_size import SELF
@@ -316,3 +317,12 @@ def test_places_of_a_chunk_with_bad_polygons():
     rings = stages.together([shape([(0, 0), (1, 1), (1, 0), (0, 1)]), NECK, teeth(3)])
     prepared = road.prepare(rings)
     assert road.without_vertex(prepared, road.select(prepared, 3.0), np.full(2, 3.0)).tolist() == [1, 1]
+
+
+def test_places_are_not_looked_for_once_vertices_are_there(monkeypatch):
+    """Nobody reads them then; they used to be computed and thrown away."""
+    ring = one_polygon(NECK.coords, NECK.offsets)
+    assert len(road.prepare(ring).places.edge) == 1
+    monkeypatch.setattr(candidates, "places", None)
+    found = road.prepare(ring, new_vertices=True)
+    assert found.places is None and len(found.new_rows) == 1

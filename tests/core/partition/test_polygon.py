@@ -1,7 +1,10 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from isthmus.core.errors import Unsolvable
+from isthmus.core.partition import polygon as stage
 from isthmus.core.partition.polygon import one as from_rings
 from isthmus.core.rings import shapes as ring_polygons, signed_areas
 
@@ -148,6 +151,45 @@ def test_two_holes_touch_an_edge_at_one_point():
     polygon = from_rings(*s)
     assert polygon.inserted.sum() == 1
     assert (np.bincount(polygon.vertex) == 3).sum() == 1
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_rings_meet_where_the_integers_say_so(seed):
+    """Against all vertices and all edges, each with each."""
+    s = shapes.polyomino(seed, 9, 9, share=0.75, keep=(0.0, 0.4, 1.0)[seed % 3])
+    polygon = from_rings(*s)
+    rings = [[tuple(map(int, point)) for point in ring] for ring in s.rings]
+    everywhere = {point for ring in rings for point in ring}
+    expected = []
+    for ring in rings:
+        inside = set()
+        for a, b in zip(ring, ring[1:] + ring[:1]):
+            others = everywhere.difference(ring)
+            inside |= {p for p in others if shapes._between(p, a, b)}
+        expected.append(sorted(ring + list(inside)))
+    corners = np.split(polygon.xy[polygon.vertex].astype(int), polygon.offsets[1:-1])
+    assert sorted(sorted(map(tuple, ring.tolist())) for ring in corners) == sorted(expected)
+    assert len(polygon.xy) == len(everywhere), "one vertex a place"
+    assert np.array_equal(np.unique(polygon.vertex), np.arange(len(everywhere)))
+
+
+@pytest.mark.parametrize("at_shell", [False, True])
+def test_many_holes_at_one_point_are_not_paired(at_shell, monkeypatch):
+    """Each with each would be nine million pairs; GEOS pairs them in its test of validity, left out here."""
+    monkeypatch.setattr(stage, "is_valid", lambda shape: np.ones(len(shape), dtype=bool))
+    count, angle = 3000, np.linspace(0.0, np.pi, 6001)
+    tips = np.column_stack((np.cos(angle), np.sin(angle))) * 1000.0
+    holes = [[(0.0, 0.0), tips[2 * k], tips[2 * k + 1]] for k in range(count)]
+    beside = [(500.0, 0.0), (400.0, -10.0), (600.0, -10.0)]  # touches an edge of the first of them
+    shell = [(0, 0), (2000, -900), (2000, 2000), (-2000, 2000), (-2000, -900)][not at_shell :]
+    tracemalloc.start()
+    polygon = from_rings(*shape(shell, *holes, beside))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert polygon.xy[polygon.vertex[polygon.inserted]].tolist() == [[500.0, 0.0]]
+    passes = np.bincount(polygon.vertex)
+    assert sorted(passes[passes > 1].tolist()) == [2, count + at_shell]
+    assert peak < 50e6
 
 
 @pytest.mark.parametrize("factor", [1e300, 1e150, 1e60, 1.0, 1e-60, 1e-170, 1e-300])
