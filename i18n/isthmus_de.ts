@@ -416,8 +416,8 @@
    <translation>Kosten des Klassenwechsels</translation>
   </message>
   <message>
-   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {} regions; {:.2f} % of the area changed its class.</source>
-   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Mittelpunkt {:.6g}. Regionen: {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
+   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % of the area changed its class.</source>
+   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Mittelpunkt {:.6g}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
   </message>
   <message>
    <source>Cuts</source>
@@ -732,6 +732,10 @@
    <translation>Keine Fläche hat eine Klasse: Es gibt nichts zusammenzufassen.</translation>
   </message>
   <message>
+   <source>No region may have a class of the map: all of them are excluded.</source>
+   <translation>Keine Region darf eine Klasse der Karte haben: alle sind ausgeschlossen.</translation>
+  </message>
+  <message>
    <source>No region reaches its minimum size: is the threshold larger than the map?</source>
    <translation>Keine Region erreicht ihre Mindestgröße: Ist der Schwellenwert größer als die Karte?</translation>
   </message>
@@ -904,8 +908,12 @@
    <translation>Region, die vergrößert wird</translation>
   </message>
   <message>
-   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}. It has no neighbours that would make it large enough.</source>
-   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}. Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
+   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}.</source>
+   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}.</translation>
+  </message>
+  <message>
+   <source>It has no neighbours that would make it large enough.</source>
+   <translation>Sie hat keine Nachbarn, mit denen sie groß genug würde.</translation>
   </message>
   <message>
    <source>Regions</source>

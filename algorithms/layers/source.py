@@ -34,10 +34,12 @@ class Reader:
         if not keep:
             request.setSubsetOfAttributes([])
         for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
+            size = 1
             if feature.hasGeometry():
                 geometry = feature.geometry().constGet()
                 types.add(geometry.wkbType())
-            self.sizes.append(1 + geometry.nCoordinates() if feature.hasGeometry() else 1)
+                size += geometry.nCoordinates()
+            self.sizes.append(size)
             if keep:
                 self.kept.append(feature)
         self.wkb_type = common_type(types)

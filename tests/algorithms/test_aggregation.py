@@ -1,5 +1,6 @@
 """The tools isthmus:prepareaggregation and isthmus:aggregate, on small maps."""
 
+import gc
 import json
 import math
 import re
@@ -472,6 +473,24 @@ def test_a_threshold_larger_than_the_map(qgis_app):
     assert sum(r["size"] for r in layers["OUTPUT"]) == pytest.approx(300.0)
     assert results["CHANGED_SHARE"] == 0.0
     assert any("threshold larger than the map" in line for line in said)
+
+
+def test_when_all_classes_are_excluded_that_is_said(qgis_app):
+    results, layers, said = aggregate(strip("ab"), THRESHOLD=50, EXCLUDED="a,b")
+    assert results["TOO_SMALL_COUNT"] == 2
+    assert any("all of them are excluded" in line for line in said)
+    assert not any("threshold larger" in line or "large enough" in line for line in said)
+
+
+@pytest.mark.parametrize("method", ["greedy", "annealing"])
+def test_python_searches_for_garbage_again_afterwards(qgis_app, method):
+    assert gc.isenabled()
+    for boundary in (1.0, 1e308):  # the second is refused while the map is read
+        results, _, _ = aggregate(
+            strip("aab"), THRESHOLD=150, METHOD=method, ITERATIONS=100, WEIGHT_BOUNDARY=boundary
+        )
+        assert (results is None) == (boundary > 1.0)
+        assert gc.isenabled()
 
 
 def test_an_empty_layer(qgis_app):

@@ -93,6 +93,34 @@ def test_a_shallow_bump_with_sharp_corners_is_a_part():
     assert prepared.detour.max() < 1.2
 
 
+BLOCKS = {
+    "U": (
+        [(0, 0), (1, 0), (3, 0), (4, 0), (4, 1), (4, 3), (3, 3), (3, 1), (1, 1), (1, 3), (0, 3), (0, 1)],
+        [((1, 0), (1, 1)), ((3, 0), (3, 1))],  # at its foot an arm of 3 by 1 is larger than one of 2 by 1
+    ),
+    "E": (
+        [(0, 0), (1, 0), (4, 0), (4, 1), (1, 1), (1, 2), (3, 2), (3, 3), (1, 3), (1, 4), (4, 4), (4, 5)]
+        + [(1, 5), (0, 5), (0, 4), (0, 3), (0, 2), (0, 1)],
+        [((0, 1), (1, 1)), ((1, 2), (1, 3)), ((0, 4), (1, 4))],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+@pytest.mark.parametrize("angle", (0.0, 90.0, 180.0, 270.0, 37.0, 73.3))
+@pytest.mark.parametrize("mirrored", (False, True))
+def test_of_equal_corners_of_a_block_the_larger_part_whichever_way_it_stands(name, angle, mirrored):
+    ring, expected = BLOCKS[name]
+    turn = np.exp(1j * np.radians(angle))
+    z = np.array(ring) @ (1.0, 1j)
+    z = (z.conj() if mirrored else z) * turn
+    block = shapes.shape(np.column_stack((z.real, z.imag)))
+    prepared, _, _, _ = natural(block, 0.01)
+    ends = prepared.polygons.xy[prepared.edges[select(prepared, 3.0).selected]]
+    nearest = np.linalg.norm(ends[:, :, None] - block.coords, axis=3).argmin(axis=2)
+    assert {frozenset(ring[k] for k in cut) for cut in nearest} == {pair(*cut) for cut in expected}
+
+
 @pytest.mark.parametrize("length", [3, 10, 60])
 def test_an_even_limb_stays_in_one_piece(length):
     x = np.arange(length + 1.0)
