@@ -453,7 +453,7 @@ def problems(problem: Instance, found: Solution) -> list[tuple[int, Sentence]]:
     list of (int, Sentence)
         Regions that are not contiguous, too small, or of a class that none of their areas had.
     """
-    result: list[tuple[int, str]] = []
+    result: list[tuple[int, Sentence]] = []
     parts = components(problem, found.region)
     count = len(found.core)
     _, pieces = np.unique(parts, return_index=True)
