@@ -1,9 +1,5 @@
 """What is on disk after a run: everything, or nothing."""
 
-import contextlib
-import resource
-import signal
-
 import pytest
 from osgeo import gdal
 from qgis.core import (
@@ -12,6 +8,8 @@ from qgis.core import (
     QgsProject,
     QgsVectorLayer,
 )
+
+from isthmus.tests.full_disk import small_files
 
 from .test_partition import BOWTIE, DUMBBELL, partition
 
@@ -28,19 +26,6 @@ def few(layer):
     return layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x"])] * 3)
 
 
-@contextlib.contextmanager
-def full_disk(room):
-    """No file may grow beyond so many bytes."""
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (room, old[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
-        signal.signal(signal.SIGXFSZ, before)
-
-
 def layers_of(path):
     source = gdal.OpenEx(str(path))
     return {
@@ -55,7 +40,7 @@ def layers_of(path):
 ])  # fmt: skip
 def test_a_full_disk_is_said_and_leaves_nothing(run, source, tmp_path, ending, room):
     """A GeoJSON file that broke off used to be called a success."""
-    with full_disk(room), pytest.raises(QgsProcessingException):
+    with small_files(room), pytest.raises(QgsProcessingException):
         partition(run, source, OUTPUT=str(tmp_path / f"parts.{ending}"))
     # a GeoPackage for which there is not even room to be made is left by QGIS, without a layer
     left = [path for path in tmp_path.iterdir() if (ending, room) != ("gpkg", 4_000)]
@@ -114,7 +99,7 @@ def test_a_curve_that_could_not_be_written_takes_its_report_with_it(run, layer, 
     """The end of a GeoPackage is written last; only then the disk may turn out to be full."""
     nothing = layer("Polygon?crs=EPSG:3857", [])
     given = {"INPUT": nothing, "OUTPUT": str(tmp_path / "steps.gpkg")}
-    with full_disk(8192), pytest.raises(QgsProcessingException, match="could be written"):
+    with small_files(8192), pytest.raises(QgsProcessingException, match="could be written"):
         run("isthmus:tradeoff", {**given, "REPORT": str(tmp_path / "report.html")})
     assert not [path for path in tmp_path.iterdir() if path.suffix == ".html"]
 

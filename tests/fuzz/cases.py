@@ -1,10 +1,7 @@
 """A case: a layer, a tool and its parameters, in a form that can be saved; how to draw and run one."""
 
-import contextlib
 import math
-import resource
 import shutil
-import signal
 import tempfile
 import time
 import warnings
@@ -33,6 +30,8 @@ from qgis.core import (
     QgsWkbTypes,
 )
 from qgis.PyQt.QtCore import QDate, QDateTime, QVariant
+
+from isthmus.tests.full_disk import small_files
 
 POLYGONS = QgsWkbTypes.GeometryType.PolygonGeometry
 DRIVERS = {"gpkg": "GPKG", "shp": "ESRI Shapefile", "geojson": "GeoJSON"}
@@ -565,20 +564,6 @@ def run(case, **changed):
     ]
     feedback.context = context  # owns the layers
     return Outcome(case, source, results, layers, feedback, error, list(_raised), said, folder)
-
-
-@contextlib.contextmanager
-def small_files(room):
-    """Let no file grow beyond so many bytes; None: no limit."""
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    if room is not None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (room, old[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
-        signal.signal(signal.SIGXFSZ, before)
 
 
 def clean(outcome):

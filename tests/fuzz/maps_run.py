@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 import conftest  # noqa: E402, F401
-from cases import small_files  # noqa: E402
+from isthmus.tests.full_disk import small_files  # noqa: E402
 from maps_layers import wkb  # noqa: E402
 from qgis.core import (  # noqa: E402
     QgsApplication,
