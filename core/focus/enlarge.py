@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from ..errors import Cancelled, Sentence, Unsolvable
+from .convex import stay_convex
 from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
@@ -186,9 +187,11 @@ def enlarge(
         shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
     else:
         spare = others(xy, mesh.triangles, noded.edges)
+        movable = group < 0
+        movable[np.concatenate(mesh.side)] = False
         needed = np.zeros(len(xy), dtype=bool)
         needed[given.ravel()] = True
-        for attempt in range(ATTEMPTS):
+        for _ in range(ATTEMPTS):
             check = stage(0.05, 0.2)
             coarse = coarsen(
                 xy, mesh.triangles, noded.edges, mesh.removable & ~needed, mesh.rigid, most, check
@@ -212,12 +215,11 @@ def enlarge(
                 middle = xy[own].mean(axis=0)
                 shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
             shift = reinsert(coarse, xy, shift, mesh.rigid, check)
+            shift = stay_convex(xy, shift, mesh.triangles, spare, movable, check)
             bad = turned(points, points + unit * shift, mesh.triangles)  # where they will be, rounded
-            doubtful = turned(xy, xy + shift, spare)
-            if not bad.any() and (not doubtful.any() or attempt == ATTEMPTS - 1):
+            if not bad.any():
                 break
             needed[mesh.triangles[bad]] = True
-            needed[spare[doubtful]] = True
         else:
             x, y = points[mesh.triangles[bad].min()]
             near = Sentence(

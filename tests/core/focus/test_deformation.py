@@ -11,6 +11,7 @@ pytest.importorskip("scipy")
 
 from isthmus.tests.core.checker import dilations
 from isthmus.core.errors import MissingEngine
+from isthmus.core.focus.convex import stay_convex
 from isthmus.core.focus import carrying, deformation, graph, hierarchy, measures, mesh, selection
 
 from ..shapes import circle, tour
@@ -187,6 +188,29 @@ def test_other_triangulations_of_points_on_a_circle(seed):
             seen.add(bool(upright(after, every).all()))
             assert upright(after, found).all() == upright(after, every).all()
     assert seen == {False, True}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_darts_become_convex_again(seed):
+    """Corners beyond the other diagonal of their square come back, and no triangle is turned on the way."""
+    rng = np.random.default_rng(seed)
+    xy = np.array([(x, y) for x in range(9) for y in range(9)], dtype=float) / 8.0
+    none = np.empty((0, 2), dtype=int)
+    triangles = mesh.frame_triangles(xy, none)
+    spare = mesh.others(xy, triangles, none)
+    inner = ((xy > 0.0) & (xy < 1.0)).all(axis=1)
+    shift = np.zeros_like(xy)
+    for vertex in rng.permutation(np.flatnonzero(inner)):
+        trial = shift.copy()
+        trial[vertex] = rng.uniform(-0.11, 0.11, 2)
+        if upright(xy + trial, triangles).all():
+            shift = trial
+    assert not upright(xy + shift, spare).all()
+    held = np.flatnonzero(inner)[0]
+    free = inner & (np.arange(len(xy)) != held)
+    found = stay_convex(xy, shift, triangles, spare, free, lambda: None)
+    assert upright(xy + found, triangles).all() and upright(xy + found, spare).all()
+    assert np.array_equal(found[~free], shift[~free])
 
 
 def test_a_line_across_a_square_leaves_no_choice():

@@ -1,0 +1,132 @@
+"""Keep polygons of points on a circle convex where the detail of a map was put back.
+
+A map made from a raster has many squares, each with two diagonals that are as good. With one of them
+the piecewise linear map folds nothing, and yet a corner may have gone beyond the other diagonal: the
+square is a dart. Nothing crosses, but it is no square that anybody would know again.
+"""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+
+from .mesh import turned
+
+__all__ = ["stay_convex"]
+
+ROUNDS = 10  # over what is left; two are enough but where much is squeezed
+KEEP = 0.7  # of the area of a triangle beside one that cannot be put right at once
+LEAST = 1e-3  # share of its area, below which a triangle counts as turned
+
+
+def stay_convex(
+    xy: np.ndarray,
+    shift: np.ndarray,
+    triangles: np.ndarray,
+    spare: np.ndarray,
+    free: np.ndarray,
+    check: Callable,
+) -> np.ndarray:
+    """Move corners of turned triangles of other triangulations to where none at them is turned.
+
+    Parameters
+    ----------
+    xy : (n, 2) float
+    shift : (n, 2) float
+        Displacements that turn no triangle; they never do on the way either.
+    triangles : (t, 3) int
+        Counter-clockwise.
+    spare : (q, 3) int
+        Triangles of other triangulations, see `mesh.others`.
+    free : (n,) bool
+        What may move.
+    check : callable
+        Called for each corner; may raise `Cancelled`.
+
+    Returns
+    -------
+    (n, 2) float
+        The displacements; some of ``spare`` may still be turned where there is no room.
+
+    Notes
+    -----
+    The area of each triangle is linear in the place of one corner. So a linear programme of three
+    unknowns finds the place where the smallest share of its area left to a triangle is largest; the
+    corner goes half as far towards that as it has to. O(n) and a programme for each corner of a turned one.
+    """
+    now = xy + shift
+    for _ in range(ROUNDS):
+        todo = np.unique(spare[turned(xy, now, spare)])
+        todo = todo[free[todo]]
+        if not len(todo):
+            break
+        star, ours = _stars(len(xy), triangles, spare, todo)
+        begin = np.searchsorted(star[:, 0], todo)
+        end = np.searchsorted(star[:, 0], todo, side="right")
+        before = now.copy()
+        for vertex, lo, hi in zip(todo.tolist(), begin.tolist(), end.tolist()):
+            check()
+            step = _step(xy, now, star[lo:hi], ours[lo:hi])
+            if step is not None:
+                now[vertex] += step
+        if np.array_equal(before, now):
+            break
+    moved = (now != xy + shift).any(axis=1)
+    return np.where(moved[:, None], now - xy, shift)
+
+
+def _stars(n, triangles, spare, todo):
+    """The triangles at vertices, these first and sorted by them, and which are no spare ones."""
+    wanted = np.zeros(n, dtype=bool)
+    wanted[todo] = True
+    found = []
+    for some in (triangles, spare):
+        some = some[wanted[some].any(axis=1)]
+        some = np.concatenate([np.roll(some, -k, axis=1) for k in range(3)])
+        found.append(some[wanted[some[:, 0]]])
+    star = np.concatenate(found)
+    order = np.argsort(star[:, 0], kind="stable")
+    return star[order], order < len(found[0])
+
+
+def _step(xy, now, star, ours):
+    """How a vertex should move; None if it is well where it is, or cannot move."""
+    from scipy.optimize import linprog
+
+    (u, p, q), vertex = star.T, star[0, 0]
+    area = _cross(xy[p] - xy[u], xy[q] - xy[u])
+    p, q = now[p] - now[vertex], now[q] - now[vertex]
+    size = np.abs(np.concatenate((p, q))).max()
+    # what is left of each area, as a linear function of the step in units of size
+    left = _cross(p, q) / area
+    slope = np.column_stack((p[:, 1] - q[:, 1], q[:, 0] - p[:, 0])) * size / area[:, None]
+    if left.min() > 0.0:
+        return None
+
+    def best(counts, least):
+        """The step for which the smallest of some is largest, and of the others none is below least."""
+        bounds = [(-2.0, 2.0), (-2.0, 2.0), (None, 1.0)]
+        found = linprog(
+            (0.0, 0.0, -1.0),
+            np.column_stack((-slope, counts * 1.0)),
+            left - least,
+            bounds=bounds,
+            method="highs",
+        )
+        return found.x if found.status == 0 else None
+
+    found = best(np.ones(len(star), dtype=bool), 0.0)
+    if found is None or found[2] < LEAST:
+        # the spare ones as far as they go, and ours keep most of what they have
+        found = best(~ours, np.where(ours, KEEP * left, 0.0))
+        return None if found is None or found[2] <= left.min() else found[:2] * size
+    # as far along as leaves each at least half of that
+    gain = slope @ found[:2]
+    short = left < found[2] / 2.0
+    share = ((found[2] / 2.0 - left[short]) / gain[short]).max()
+    return min(share, 1.0) * found[:2] * size
+
+
+def _cross(p, q):
+    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
