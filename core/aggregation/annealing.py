@@ -110,7 +110,25 @@ def annealing(
 
     Notes
     -----
+    Simulated annealing is the heuristic of Haunert and Wolff (2010), with which Haunert and Meulemans
+    aggregate in section 5.2.
+
     A batch of m moves is O(m) in arrays, and O(1) in Python for each move that is accepted.
+
+    Examples
+    --------
+    Two areas of 3 and two small ones between them, in a row; a region needs a size of 4. Region growing
+    makes one region of all, and the last area loses its class. Annealing finds the two regions where only
+    an area of size 1 does.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [4.0, 4.0])
+    >>> greedy(problem).region.tolist(), costs(problem, greedy(problem)).total
+    ([0, 0, 0, 0], 3.0)
+    >>> found = annealing(problem, iterations=4000)
+    >>> found.region.tolist(), costs(problem, found).total
+    ([0, 0, 1, 1], 1.0)
     """
     start = greedy(problem) if begin is None else begin
     if count is not None:

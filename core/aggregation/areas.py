@@ -122,6 +122,18 @@ def arrange(
     measure : Metric
     metre : float
         Metres in one unit of the measure.
+
+    Examples
+    --------
+    A hall, and two rooms beside it that are one area.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> rings = Rings(coords, np.array([0, 4, 8, 12]), np.arange(4))
+    >>> areas = arrange(["hall", "rooms"], rings, np.array([0, 1, 1]), planar())
+    >>> areas.size.tolist(), areas.place.tolist()
+    ([4.0, 2.0], [(1+1j), (2.5+1j)])
     """
     # rings of fewer than three vertices bound nothing
     polygon_count = len(rings.polygon_offsets) - 1
@@ -176,7 +188,20 @@ def arrange(
 
 
 def neighbours(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
-    """Return pairs of areas that share a boundary, and its length in metres, each pair once."""
+    """Return pairs of areas that share a boundary, and its length in metres, each pair once.
+
+    Examples
+    --------
+    A hall, and two rooms beside it that are one area.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> rings = Rings(coords, np.array([0, 4, 8, 12]), np.arange(4))
+    >>> pairs, length = neighbours(arrange(["hall", "rooms"], rings, np.array([0, 1, 1]), planar()))
+    >>> pairs.tolist(), length.tolist()
+    ([[0, 1]], [2.0])
+    """
     pairs, length = shared(areas.coverage, areas.measure)
     pairs = np.sort(areas.owner[pairs], axis=1).reshape(-1, 2)
     apart = pairs[:, 0] != pairs[:, 1]
@@ -188,7 +213,19 @@ def neighbours(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
 
 
 def invalid(areas: Areas) -> np.ndarray:
-    """Return the numbers of the areas that are not valid."""
+    """Return the numbers of the areas that are not valid.
+
+    Examples
+    --------
+    The second area crosses itself.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> bow_tie = [[3, 0], [4, 1], [4, 0], [3, 1]]
+    >>> rings = Rings(np.array(square + bow_tie, dtype=float), np.array([0, 4, 8]), np.arange(3))
+    >>> invalid(arrange(range(2), rings, np.arange(2), planar())).tolist()
+    [1]
+    """
     valid = shapely.is_valid(shapes(areas.coverage, len(areas.owner)))
     return np.unique(areas.owner[~valid])
 
@@ -202,6 +239,17 @@ def reasons_of(areas: Areas, classes: Sequence[str | None], without: Sequence[st
     classes : sequence of str or None
     without : sequence of str
         Why each area has no polygon, if it has none.
+
+    Examples
+    --------
+    Of three areas the second has no class, and the third no polygon.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> rings = Rings(np.concatenate((square, square + 1)), np.array([0, 4, 8]), np.arange(3))
+    >>> areas = arrange(range(3), rings, np.arange(2), planar())
+    >>> reasons_of(areas, ["wood", None, "wood"], ["", "", "it is empty"])
+    {1: 'it has no class', 2: 'it is empty'}
     """
     shaped = np.zeros(len(classes), dtype=bool)
     shaped[areas.owner] = True
@@ -227,7 +275,7 @@ def posed(
     weights: Sequence[float],
     between_classes: bool,
 ) -> Instance:
-    """Return the problem of a map.
+    """Return the problem of a map: that of Haunert and Wolff (2010), see `instance`.
 
     Parameters
     ----------
@@ -249,6 +297,21 @@ def posed(
     ------
     IsthmusError
         If costs would be no numbers any more.
+
+    Examples
+    --------
+    A hall and two rooms, all next to each other. The first room has no class and stays as it is: it is
+    nobody's neighbour in the problem, and its class gets the number after all others.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> rings = Rings(coords, np.array([0, 4, 8, 12]), np.arange(4))
+    >>> areas = arrange(["hall", "room", "room"], rings, np.arange(3), planar())
+    >>> classes, names = ["wood", None, "lake"], ["lake", "wood"]
+    >>> problem = posed(areas, classes, names, [1], np.full(2, 3.0), 1 - np.eye(2), (1, 0, 0), False)
+    >>> problem.cls.tolist(), np.column_stack((problem.owner, problem.neighbour)).tolist()
+    ([1, 2, 0], [[0, 2], [2, 0]])
     """
     pairs, length = neighbours(areas)
     # the last class stands for none: nobody may get it, and who has it keeps it
@@ -319,6 +382,15 @@ def piece_fields(names: Sequence[str]) -> tuple[int, int]:
 
     The areas may have had fields of these names themselves: then those of the tool have a number
     (area_id_2), and come last, one after the other.
+
+    Examples
+    --------
+    >>> piece_fields(["name", "area_id", "piece", "size", "status"])
+    (1, 3)
+    >>> piece_fields(["size", "area_id", "area_id_2", "piece", "size_2", "status"])
+    (2, 4)
+    >>> piece_fields(["name"])
+    (-1, -1)
     """
     plain = [re.sub(r"_\d+$", "", name.lower()) for name in names]
     for k in range(len(names) - 4, -1, -1):

@@ -16,6 +16,15 @@ def block_of_areas(one: Solution, other: Solution) -> np.ndarray:
 
     Regions of two solutions that share an area belong to one block; so each block is a set of areas
     that regions of both cover exactly.
+
+    Examples
+    --------
+    Of six areas, both solutions have a boundary after the third only.
+
+    >>> one = Solution(np.array([0, 0, 1, 2, 2, 2]), np.array([0, 2, 3]))
+    >>> other = Solution(np.array([0, 1, 1, 2, 3, 3]), np.array([0, 1, 3, 4]))
+    >>> block_of_areas(one, other).tolist()
+    [0, 0, 0, 1, 1, 1]
     """
     pairs = np.unique(np.column_stack((one.region, len(one.core) + other.region)), axis=0)
     a, b = pairs.T
@@ -54,6 +63,23 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     blocks are independent. Not so where only boundaries between classes count: there
     blocks are exchanged one by one, the most promising first, each if the recount falls. O(h), and
     O(h) more for each block in that case.
+
+    Examples
+    --------
+    Six areas in a row, of two classes; a region needs a size of 2, so that the two areas of size 1 must
+    join a neighbour. One solution takes the wrong one on the right, the other on the left.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = np.column_stack((range(5), range(1, 6)))
+    >>> sizes, classes = [2, 1, 2, 2, 1, 2], [0, 0, 1, 0, 1, 1]
+    >>> problem = build(sizes, classes, range(6), row, np.ones(5), 1 - np.eye(2), [2.0, 2.0])
+    >>> one = Solution(np.array([0, 0, 1, 2, 2, 3]), np.array([0, 2, 3, 5]))
+    >>> other = Solution(np.array([0, 1, 1, 2, 3, 3]), np.array([0, 2, 3, 5]))
+    >>> costs(problem, one).total, costs(problem, other).total
+    (1.0, 1.0)
+    >>> found = best_of_both(problem, one, other)
+    >>> found.region.tolist(), costs(problem, found).total
+    ([0, 0, 1, 2, 3, 3], 0.0)
     """
     block = block_of_areas(one, other)
     number = int(block.max(initial=-1)) + 1
@@ -108,6 +134,18 @@ def cheapest_choice(gain: np.ndarray, more: np.ndarray, wanted: int) -> np.ndarr
     Notes
     -----
     A knapsack by dynamic programming: O(b s) for a sum s of the numbers that are not 0.
+
+    Examples
+    --------
+    Exchanging the first or the second block adds a region; the third takes one away, and costs something;
+    the last one leaves their number. If it shall stay, the third makes room for the first; two regions
+    more are what the first two add.
+
+    >>> gain, more = np.array([5.0, 3.0, -1.0, 2.0]), np.array([1, 1, -1, 0])
+    >>> cheapest_choice(gain, more, wanted=0).tolist()
+    [True, False, True, True]
+    >>> cheapest_choice(gain, more, wanted=2).tolist()
+    [True, True, False, True]
     """
     chosen = (more == 0) & (gain > 0.0)
     some = np.flatnonzero(more)

@@ -110,6 +110,20 @@ def cover(
     Notes
     -----
     O(k log k). Only edges without an equal one on the other side are looked at for T-junctions.
+
+    Examples
+    --------
+    A hall, and two rooms on its right. Its right edge, number 1, has no vertex where the rooms meet: so it
+    is cut into two pieces, each with a room beyond it. Nothing is beyond the other edges of the hall.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> coverage = cover(coords, [0, 4, 8, 12], [0, 1, 2])
+    >>> its = coverage.polygon == 0
+    >>> coverage.edge[its].tolist()
+    [0, 1, 1, 2, 3]
+    >>> [int(coverage.polygon[twin]) if twin >= 0 else None for twin in coverage.twin[its]]
+    [None, 1, 2, None, None]
     """
     coords, offsets = np.asarray(coords, dtype=float), np.asarray(offsets, dtype=np.int64)
     ring_polygon = np.asarray(ring_polygon, dtype=np.int64)
@@ -272,6 +286,18 @@ def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]
         Polygons, the smaller number first, each pair once.
     length : (m,) float
         What they have in common.
+
+    Examples
+    --------
+    A hall, and two rooms on its right, one above the other.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> coverage = cover(coords, [0, 4, 8, 12], [0, 1, 2])
+    >>> pairs, length = shared(coverage, planar())
+    >>> pairs.tolist(), length.tolist()
+    ([[0, 1], [0, 2], [1, 2]], [1.0, 1.0, 1.0])
     """
     s = np.flatnonzero(coverage.twin > np.arange(len(coverage.twin)))
     pairs = np.sort(np.column_stack((coverage.polygon[s], coverage.polygon[coverage.twin[s]])), axis=1)
@@ -382,6 +408,14 @@ def centroids(coverage: Coverage, plane: np.ndarray, count: int) -> tuple[np.nda
     area : (count,) float
     moment : (count, 2) float
         Centroid times area, so that parts can be added up.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0]))
+    >>> area, moment = centroids(cover(coords, [0, 4, 8], [0, 1]), coords, 2)
+    >>> area.tolist(), (moment / area[:, None]).tolist()
+    ([4.0, 1.0], [[1.0, 1.0], [2.5, 0.5]])
     """
     offsets = coverage.offsets
     if len(offsets) < 2:
@@ -426,6 +460,14 @@ def spreads(coverage: Coverage, plane: np.ndarray, owner: np.ndarray) -> np.ndar
     (n,) float
         Up to the last area that ``owner`` names. 0 for areas without size; of an area that crosses
         itself, whose parts cancel out, no more than its farthest row.
+
+    Examples
+    --------
+    A square with sides of 6, from its centre: 6 * 6 / 6.
+
+    >>> square = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]])
+    >>> spreads(cover(square, [0, 4], [0]), square, [0]).round(9).tolist()
+    [6.0]
     """
     offsets, owner = coverage.offsets, np.asarray(owner, dtype=np.int64)
     count = int(owner.max(initial=-1)) + 1
@@ -460,6 +502,18 @@ def faults(coverage: Coverage) -> Faults:
     -----
     Looks at the edges without a twin and at one inner point of each polygon. Two complete coverages
     on top of each other with polygons that only cross may have more overlaps than are listed.
+
+    Examples
+    --------
+    Two squares that overlap; and a square with a hole that no other polygon fills.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, 2 * square + 1))
+    >>> faults(cover(coords, [0, 4, 8], [0, 1])).overlaps.tolist()
+    [[0, 1]]
+    >>> coords = np.concatenate((3 * square, square + 1))
+    >>> faults(cover(coords, [0, 4, 8], [0, 0])).gaps.round(6).tolist()
+    [[1.5, 1.5]]
     """
     polygons = shapes(coverage)
     valid = shapely.is_valid(polygons) & ~shapely.is_empty(polygons)
@@ -495,6 +549,14 @@ def shapes(coverage: Coverage, count: int | None = None) -> np.ndarray:
     ----------
     count : int, optional
         Number of polygons. Default: up to the last one that has a ring.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((3 * square, square + 1, 2 * square + 5))
+    >>> one, other = shapes(cover(coords, [0, 4, 8, 12], [0, 0, 1]))
+    >>> one.area, len(one.interiors), other.bounds
+    (8.0, 1, (5.0, 5.0, 7.0, 7.0))
     """
     if count is None:
         count = int(coverage.ring_polygon.max(initial=-1)) + 1
@@ -538,6 +600,18 @@ def joined(coverage: Coverage, label: np.ndarray) -> dict[int, list[list[np.ndar
     Notes
     -----
     O(s log s). No coordinate is computed: the rings are made of rows of the input.
+
+    Examples
+    --------
+    A hall, and two rooms on its right, one above the other: the hall and the lower room together.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coords = np.concatenate((2 * square, square + [2, 0], square + [2, 1]))
+    >>> coverage = cover(coords, [0, 4, 8, 12], [0, 1, 2])
+    >>> polygons = joined(coverage, [0, 0, 1])
+    >>> [[shell]] = polygons[0]  # one polygon, without holes
+    >>> coords[shell].astype(int).tolist()
+    [[0, 0], [2, 0], [3, 0], [3, 1], [2, 1], [2, 2], [0, 2]]
     """
     label = np.asarray(label, dtype=np.int64)
     own = label[coverage.polygon]

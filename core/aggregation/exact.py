@@ -80,6 +80,11 @@ def require_highs() -> tuple[Callable, Callable, type, ModuleType]:
     ------
     MissingEngine
         If scipy is missing or older than 1.9; it says what to install.
+
+    Examples
+    --------
+    >>> [tool.__name__ for tool in require_highs()]
+    ['linprog', 'milp', 'LinearConstraint', 'scipy.sparse']
     """
     try:
         from scipy import sparse
@@ -125,8 +130,23 @@ def exact(
 
     Notes
     -----
+    The integer programme of Haunert and Wolff (2010), with the cuts of Oehrlein and Haunert (2017).
+
     Exponential. Thirty areas a part take seconds; with some hundred the bound is within a few percent
     after a minute.
+
+    Examples
+    --------
+    Two areas of 3 and two small ones between them, in a row; a region needs a size of 4. The best is that
+    one area of size 1 changes its class.
+
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [4.0, 4.0])
+    >>> result = exact(problem)
+    >>> result.found.region.tolist(), costs(problem, result.found).total
+    ([0, 0, 1, 1], 1.0)
+    >>> bool(result.proven), round(float(result.bound), 6)
+    (True, 1.0)
     """
     tools = require_highs()
     check = check or (lambda share: None)

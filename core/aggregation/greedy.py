@@ -31,6 +31,15 @@ def helpless(problem: Instance) -> np.ndarray:
     """Return the areas that no region can help: (n,) bool.
 
     They belong to components (islands, for one) too small for any of their own classes.
+
+    Examples
+    --------
+    Two areas side by side are together as large as wanted, 4; the third is an island of size 1.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> problem = build([3, 1, 1], [0, 0, 0], range(3), [[0, 1]], [1.0], np.zeros((1, 1)), [4.0])
+    >>> helpless(problem).tolist()
+    [False, False, True]
     """
     component = components(problem)
     count = component.max(initial=-1) + 1
@@ -41,7 +50,18 @@ def helpless(problem: Instance) -> np.ndarray:
 
 
 def adjacency(problem: Instance) -> list[list[int]]:
-    """Return for each area a list of its neighbours."""
+    """Return for each area a list of its neighbours.
+
+    Examples
+    --------
+    Four areas in a row.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [4.0, 4.0])
+    >>> adjacency(problem)
+    [[1], [0, 2], [1, 3], [2]]
+    """
     start, neighbour = problem.start.tolist(), problem.neighbour.tolist()
     return [neighbour[lo:hi] for lo, hi in zip(start[:-1], start[1:])]
 
@@ -63,6 +83,18 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
     Notes
     -----
     O(n log n) merges; each looks at the areas of the smaller region, for each of its neighbours.
+
+    Examples
+    --------
+    Four areas in a row, the last one of another class; a region needs a size of 2. Only the small ones
+    are too small, and they join a region of their class.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [2.0, 2.0])
+    >>> found = greedy(problem)
+    >>> found.region.tolist(), found.core.tolist()
+    ([0, 0, 0, 1], [0, 3])
     """
     n = len(problem.size)
     lost = helpless(problem)
@@ -208,6 +240,20 @@ def reach_count(problem: Instance, found: Solution, count: int, check: Callable 
     -------
     Solution
         With a number of regions as near to ``count`` as single merges and splits lead.
+
+    Examples
+    --------
+    Three regions in a row of four areas. With one less, the areas of one class are together; with one more,
+    each is alone.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [1.0, 1.0])
+    >>> found = Solution(np.array([0, 1, 1, 2]), np.array([0, 1, 3]))
+    >>> reach_count(problem, found, 2).region.tolist()
+    [0, 0, 0, 1]
+    >>> reach_count(problem, found, 4).region.tolist()
+    [0, 1, 2, 3]
     """
     counted = _Counted(problem, found, len(found.core) < count)
     counted.offer_all()
@@ -327,6 +373,18 @@ def best_split(
     -------
     (cost, areas, core) or None
         What the split adds to the cost, the areas of the other region and its core.
+
+    Examples
+    --------
+    Four areas in a row, all in the region of the first; the last one is of another class. A split gives it
+    its own class back, which cost 3.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [2.0, 2.0])
+    >>> cost, areas, core = best_split(problem, adjacency(problem), np.arange(4), 0, lambda area: 0)
+    >>> float(cost), areas, core
+    (-3.0, [3], 3)
     """
     size = problem.size
     theta = problem.theta[problem.cls]
