@@ -363,13 +363,16 @@ def merge(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
 
     Examples
     --------
-    Three areas in a row, the first two in region 0; one region fewer is worth 2.
+    Three areas in a row, the first two in region 0; one region fewer is worth 2, and some
+    proposals later they are one.
 
     >>> from isthmus.core.aggregation.instance import Solution, build
     >>> from isthmus.core.aggregation.regions import Regions
     >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
     >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
-    >>> merge(regions, Terms(temperature=0.0, lack=10.0, region=2.0), np.random.default_rng(1))
+    >>> rng = np.random.default_rng(1)
+    >>> for _ in range(30):
+    ...     merge(regions, Terms(temperature=0.0, lack=10.0, region=2.0), rng)
     >>> len(set(regions.labels)), regions.count
     (1, 1)
     """
