@@ -43,7 +43,14 @@ class Metric(NamedTuple):
 
 
 def planar() -> Metric:
-    """Return the metric of projected coordinates."""
+    """Return the metric of projected coordinates.
+
+    Examples
+    --------
+    >>> plane, xy = planar(), np.array([[0, 0], [3, 4.0]])
+    >>> plane.length(plane.positions(xy), [0], [1]).tolist()
+    [5.0]
+    """
     return Metric(_same, _planar_length, _same, None)
 
 
@@ -54,6 +61,14 @@ def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
     ----------
     a, b : float
         Equatorial and polar radius in metres (default WGS 84).
+
+    Examples
+    --------
+    A degree of longitude in kilometres, at the equator and at 60 degrees north.
+
+    >>> earth, xy = ellipsoidal(), np.array([[0, 0], [1, 0], [0, 60], [1, 60.0]])
+    >>> (earth.length(earth.positions(xy), [0, 2], [1, 3]) / 1000).round(1).tolist()
+    [111.3, 55.8]
     """
     e2 = 1.0 - (b / a) ** 2
     e = np.sqrt(e2)

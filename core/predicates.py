@@ -17,6 +17,11 @@ def orientation(ax: float, ay: float, bx: float, by: float, cx: float, cy: float
     """Sign of the turn a -> b -> c, exact: 1 left, -1 right, 0 straight on.
 
     A float filter decides nearly always; rational arithmetic decides the rest.
+
+    Examples
+    --------
+    >>> orientation(0, 0, 1, 0, 1, 1), orientation(0, 0, 1, 0, 1, -1), orientation(0, 0, 1, 0, 2, 0)
+    (1, -1, 0)
     """
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
@@ -38,6 +43,12 @@ def orientations(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     Returns
     -------
     (k,) int
+
+    Examples
+    --------
+    >>> a, b, c = np.zeros((2, 2)), np.array([[1, 0], [1, 0.0]]), np.array([[1, 1], [1, -1.0]])
+    >>> orientations(a, b, c).tolist()
+    [1, -1]
     """
     left = (a[:, 0] - c[:, 0]) * (b[:, 1] - c[:, 1])
     right = (a[:, 1] - c[:, 1]) * (b[:, 0] - c[:, 0])
@@ -64,6 +75,15 @@ def crossing(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     Notes
     -----
     GEOS rounds the point where they meet: at the scale of an ulp it takes some crossings for touches.
+
+    Examples
+    --------
+    The diagonals of a square cross; two of its sides meet at a corner only.
+
+    >>> one = np.array([[[0, 0], [1, 1]], [[0, 0], [1, 0.0]]])
+    >>> other = np.array([[[1, 0], [0, 1]], [[1, 0], [1, 1.0]]])
+    >>> crossing(one, other).tolist()
+    [True, False]
     """
     a, b = one[:, 0], one[:, 1]
     c, d = other[:, 0], other[:, 1]
@@ -85,6 +105,11 @@ def sort_ccw(origin: Sequence[float], targets: Sequence) -> list:
     -------
     list
         The targets in angular order. Exact; O(k log k) for k targets.
+
+    Examples
+    --------
+    >>> sort_ccw((0, 0), [(0, -1, "south"), (-1, 0, "west"), (0, 1, "north"), (1, 0, "east")])
+    [(1, 0, 'east'), (0, 1, 'north'), (-1, 0, 'west'), (0, -1, 'south')]
     """
     ox, oy = origin
 

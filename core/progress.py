@@ -14,7 +14,20 @@ __all__ = ["checker", "ignore", "stretch"]
 
 
 def checker(progress: Callable | None, cancelled: Callable | None) -> Callable:
-    """Return the ``check`` of a ``progress(share)`` and a ``cancelled()``; each may be None."""
+    """Return the ``check`` of a ``progress(share)`` and a ``cancelled()``; each may be None.
+
+    Examples
+    --------
+    What it is called with is told on, until the user cancels.
+
+    >>> check = checker(print, lambda: False)
+    >>> check(), check(0.5)
+    0.5
+    (None, None)
+    >>> checker(print, lambda: True)(0.5)
+    Traceback (most recent call last):
+    isthmus.core.errors.Cancelled: cancelled
+    """
 
     def check(share=None):
         if cancelled is not None and cancelled():
@@ -26,7 +39,16 @@ def checker(progress: Callable | None, cancelled: Callable | None) -> Callable:
 
 
 def stretch(check: Callable, start: float, stop: float) -> Callable:
-    """Return the ``check`` of a stage that runs from one share of the whole to another."""
+    """Return the ``check`` of a stage that runs from one share of the whole to another.
+
+    Examples
+    --------
+    Half of what is between a half and the whole.
+
+    >>> check_stage = stretch(checker(print, None), 0.5, 1.0)
+    >>> check_stage(0.5)
+    0.75
+    """
 
     def check_stage(share=None):
         check(None if share is None else start + (stop - start) * share)
@@ -35,4 +57,10 @@ def stretch(check: Callable, start: float, stop: float) -> Callable:
 
 
 def ignore(_share: float | None = None) -> None:
-    """The ``check`` of a caller that has none."""
+    """The ``check`` of a caller that has none.
+
+    Examples
+    --------
+    >>> ignore(), ignore(0.5)
+    (None, None)
+    """

@@ -32,7 +32,15 @@ def width(extra: int) -> int:
 
 @lru_cache(1000)  # most polygons have few rings
 def header(kind: int, count: int) -> bytes:
-    """Return how a geometry begins: its type number, and how many parts or points follow."""
+    """Return how a geometry begins: its type number, and how many parts or points follow.
+
+    Examples
+    --------
+    Little-endian, a polygon (3), of two rings.
+
+    >>> header(3, 2).hex()
+    '010300000002000000'
+    """
     return struct.pack("<BII", 1, kind, count)
 
 
@@ -122,6 +130,15 @@ class Runs:
         The number of points of each run: a line, a ring with its closing point, or a point.
     polygons : list of list of int
         The runs that are rings of each polygon, its shell first.
+
+    Examples
+    --------
+    A line moves by (5, 0).
+
+    >>> (line,) = lines(np.array([[0, 0], [1, 2.0]]), np.array([[0, 1]]), [0])
+    >>> runs = Runs(line)
+    >>> runs.counts, Runs(runs.moved(runs.xy + [5, 0])).xy.tolist()
+    ([2], [[5.0, 0.0], [6.0, 2.0]])
     """
 
     def __init__(self, data: bytes) -> None:

@@ -156,7 +156,7 @@ def build(
     by_class: bool = False,
     spread: np.ndarray | None = None,
 ) -> Instance:
-    """Return an instance.
+    """Return an instance of the problem of Haunert and Wolff (2010).
 
     Parameters
     ----------
@@ -168,6 +168,14 @@ def build(
         Default: areas are points.
 
     The others are attributes of `Instance`.
+
+    Examples
+    --------
+    Three areas in a row; the one in the middle is of another class, and too small.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> row.start.tolist(), row.neighbour.tolist(), row.length.tolist()
+    ([0, 1, 3, 4], [1, 0, 2, 1], [2.0, 2.0, 1.0, 1.0])
     """
     n = len(size)
     pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
@@ -230,6 +238,14 @@ def shares(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.ndarra
     Returns
     -------
     (i, j) float
+
+    Examples
+    --------
+    The middle one of three areas is of another class: what each costs with each of two cores.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> shares(row, np.array([0, 1, 2]), np.array([0, 1])).tolist()
+    [[0.0, 4.0], [1.0, 0.0], [0.0, 5.0]]
     """
     cost = problem.change * problem.distance[problem.cls[areas][:, None], problem.cls[cores]]
     if problem.centre:
@@ -240,7 +256,16 @@ def shares(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.ndarra
 
 
 def each_share(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.ndarray:
-    """Cost of each area in a region with the core beside it; `shares`, elementwise."""
+    """Cost of each area in a region with the core beside it; `shares`, elementwise.
+
+    Examples
+    --------
+    The first two of three areas, each with the next one as its core.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> each_share(row, np.array([0, 1]), np.array([1, 2])).tolist()
+    [4.0, 1.0]
+    """
     cost = problem.change * problem.distance[problem.cls[areas], problem.cls[cores]]
     if problem.centre:
         cost = cost + problem.centre * away(
@@ -250,12 +275,30 @@ def each_share(problem: Instance, areas: np.ndarray, cores: np.ndarray) -> np.nd
 
 
 def away(vector: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """Root mean square distance of an area from a point, by the vector from it to the centroid."""
+    """Root mean square distance of an area from a point, by the vector from it to the centroid.
+
+    Examples
+    --------
+    A point, and an area around the same place.
+
+    >>> away(np.array([3 + 4j, 3 + 4j]), np.array([0, 11])).tolist()
+    [5.0, 6.0]
+    """
     return np.sqrt(vector.real**2 + vector.imag**2 + spread)
 
 
 def costs(problem: Instance, found: Solution) -> Costs:
-    """Return what a solution costs, recomputed from scratch. O(n + h)."""
+    """Return what a solution costs, recomputed from scratch. O(n + h).
+
+    Examples
+    --------
+    The middle one of three areas changes its class to join the first.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> found = costs(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> found.total, found.changed_size, found.region_boundary, found.class_boundary
+    (1.0, 1.0, 1.0, 0.0)
+    """
     core = found.core[found.region]
     kept = problem.cls[core]
     per_size = problem.distance[problem.cls, kept]
@@ -288,6 +331,14 @@ def components(problem: Instance, label: np.ndarray | None = None) -> np.ndarray
     -------
     (n,) int
         Component of each area, numbered by their smallest areas.
+
+    Examples
+    --------
+    Three areas in a row; two labels.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> components(row).tolist(), components(row, [7, 8, 7]).tolist()
+    ([0, 0, 0], [0, 1, 2])
     """
     n = len(problem.size)
     label = [0] * n if label is None else np.asarray(label).tolist()
@@ -308,7 +359,15 @@ def components(problem: Instance, label: np.ndarray | None = None) -> np.ndarray
 
 
 def connected_parts(adjacent: list[list[int]], areas: Iterable[int]) -> list[list[int]]:
-    """Split some areas into connected parts, as lists; ``adjacent[v]`` are the neighbours of v."""
+    """Split some areas into connected parts, as lists; ``adjacent[v]`` are the neighbours of v.
+
+    Examples
+    --------
+    Of a chain of four areas, the second is not among them.
+
+    >>> connected_parts([[1], [0, 2], [1, 3], [2]], [0, 2, 3])
+    [[0], [2, 3]]
+    """
     left, parts = set(areas), []
     while left:
         root = min(left)
@@ -341,6 +400,15 @@ def solution(problem: Instance, region: np.ndarray) -> Solution:
     Notes
     -----
     O(sum of m^2) over regions of m areas, O(m) memory.
+
+    Examples
+    --------
+    The first two of three areas are one region: the larger one is its core.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> found = solution(row, [8, 8, 3])
+    >>> found.region.tolist(), found.core.tolist()
+    ([0, 0, 1], [0, 2])
     """
     _, first, region = np.unique(region, return_index=True, return_inverse=True)
     region = region.ravel()
@@ -363,7 +431,16 @@ def solution(problem: Instance, region: np.ndarray) -> Solution:
 
 
 def best_core(problem: Instance, members: np.ndarray, class_length: np.ndarray | None = None) -> int:
-    """Return the cheapest core of a region; ``class_length`` adds a cost for each class."""
+    """Return the cheapest core of a region; ``class_length`` adds a cost for each class.
+
+    Examples
+    --------
+    The large area is the core: it would cost more to change its class.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> best_core(row, np.array([1, 2]))
+    2
+    """
     size = problem.size[members].sum()
     kept = problem.cls[members]
     # an excluded class only where there is no other; one too demanding before an excluded one
@@ -394,6 +471,16 @@ def cheapest_core(problem: Instance, members: np.ndarray, extra: np.ndarray) -> 
     -----
     O(m^2), but mostly O(m): the sum of the distances to a place is at least the length of the sum of
     the vectors, so that most cores need not be tried.
+
+    Examples
+    --------
+    Two areas of different classes: the larger one is the core, unless it may not be.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> cheapest_core(row, np.array([1, 2]), np.zeros(2))
+    (1, 1.0)
+    >>> cheapest_core(row, np.array([1, 2]), np.array([0, np.inf]))
+    (0, 5.0)
     """
     m = len(members)
     if m <= FEW_CORES:
@@ -423,7 +510,13 @@ def cheapest_core(problem: Instance, members: np.ndarray, extra: np.ndarray) -> 
 
 
 def enough(size: np.ndarray | float, theta: np.ndarray | float) -> np.ndarray | bool:
-    """Whether a size reaches a threshold; sums of sizes may be off by rounding."""
+    """Whether a size reaches a threshold; sums of sizes may be off by rounding.
+
+    Examples
+    --------
+    >>> 0.7 + 0.1 + 0.1 + 0.1 >= 1.0, enough(0.7 + 0.1 + 0.1 + 0.1, 1.0), enough(0.9, 1.0)
+    (False, True, False)
+    """
     return size >= enough_from(theta)
 
 
@@ -452,6 +545,14 @@ def problems(problem: Instance, found: Solution) -> list[tuple[int, Sentence]]:
     -------
     list of (int, Sentence)
         Regions that are not contiguous, too small, or of a class that none of their areas had.
+
+    Examples
+    --------
+    The first and the last of three areas in a row are no region, and the one in the middle is too small.
+
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> problems(row, Solution(np.array([0, 1, 0]), np.array([0, 1])))
+    [(0, 'not contiguous'), (1, 'too small')]
     """
     result: list[tuple[int, Sentence]] = []
     parts = components(problem, found.region)

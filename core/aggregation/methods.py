@@ -52,6 +52,17 @@ def by_method(
     ------
     MissingEngine
         If 'exact' lacks its solver.
+
+    Examples
+    --------
+    The small area in the middle joins the one with which it shares the longer boundary.
+
+    >>> from isthmus.core.aggregation.instance import build
+    >>> pairs, distance = [[0, 1], [1, 2]], 1 - np.eye(2)
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], pairs, [2, 1], distance, [3, 3], boundary=1)
+    >>> found, _ = by_method(row, "greedy")
+    >>> found.region.tolist(), found.core.tolist()
+    ([0, 0, 1], [0, 2])
     """
     if method == "greedy":
         found = greedy(problem, check)

@@ -60,7 +60,20 @@ class Terms(NamedTuple):
 
 
 def draw(regions: Regions, rng: np.random.Generator, m: int) -> tuple[np.ndarray, np.ndarray]:
-    """Draw moves of areas to neighbouring regions, and some to new ones (-1)."""
+    """Draw moves of areas to neighbouring regions, and some to new ones (-1).
+
+    Examples
+    --------
+    Three areas in a row, the first two in region 0: among a hundred draws are both moves to a neighbour.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> v, to = draw(regions, np.random.default_rng(1), 100)
+    >>> sorted({(a, r) for a, r in zip(v.tolist(), to.tolist()) if r >= 0})
+    [(1, 1), (2, 0)]
+    """
     p = regions.problem
     v = regions.movable[rng.integers(len(regions.movable), size=m)]
     slot = p.start[v] + (rng.random(m) * regions.degree[v]).astype(np.int64)
@@ -81,6 +94,18 @@ def every_move(regions: Regions, changed: np.ndarray | None = None) -> tuple[np.
     ----------
     changed : (n,) bool, optional
         Only moves from or to these regions.
+
+    Examples
+    --------
+    Three areas in a row, the first two in region 0.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> v, to = every_move(regions)
+    >>> v.tolist(), to.tolist()
+    ([1, 2], [1, 0])
     """
     p, owner = regions.problem, regions.problem.owner
     to, old = regions.region[p.neighbour], regions.region[owner]
@@ -103,6 +128,18 @@ def prices(regions: Regions, v: np.ndarray, to: np.ndarray, terms: Terms) -> np.
     Notes
     -----
     O(the neighbours of these areas), in arrays.
+
+    Examples
+    --------
+    Three areas in a row, the first two in region 0: the second may change sides at no cost, alone it would
+    save the change of its class but lack 2 m2, and the first is the core.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> prices(regions, np.array([1, 1, 0]), np.array([1, -1, 1]), Terms(temperature=0.0, lack=10.0)).tolist()
+    [0.0, 19.0, inf]
     """
     p = regions.problem
     if not len(v):
@@ -141,7 +178,20 @@ def prices(regions: Regions, v: np.ndarray, to: np.ndarray, terms: Terms) -> np.
 
 
 def group_price(regions: Regions, group: set[int], r: int, to: int, terms: Terms) -> float:
-    """Price of moving a connected group of areas (without the core) from r to a region."""
+    """Price of moving a connected group of areas (without the core) from r to a region.
+
+    Examples
+    --------
+    Two areas of class 2 leave a region of class 0 for one of their own class.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> pairs = [[0, 1], [1, 2], [2, 3]]
+    >>> row = build([4, 1, 2, 5], [0, 2, 2, 2], [0, 1, 2, 3], pairs, [1, 1, 1], 1 - np.eye(3), [3, 3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 0, 1]), np.array([0, 3])))
+    >>> group_price(regions, {1, 2}, 0, 1, Terms(temperature=0.0, lack=10.0))
+    -3.0
+    """
     p = regions.problem
     areas = np.array(sorted(group))
     core_old, core_new = regions.core[r], regions.core[to]
@@ -171,6 +221,19 @@ def move_area(regions: Regions, v: int, to: int, terms: Terms, rng: np.random.Ge
     """Make a single move if its regions are untouched and stay contiguous; whether it was made.
 
     Areas that it would cut off follow, if that is accepted, too.
+
+    Examples
+    --------
+    In one batch each region changes once.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> terms, rng = Terms(temperature=0.0, lack=10.0), np.random.default_rng(1)
+    >>> regions.batch += 1
+    >>> move_area(regions, 1, 1, terms, rng), move_area(regions, 1, 0, terms, rng), regions.labels
+    (True, False, [0, 1, 1])
     """
     r = regions.labels[v]
     stamp, batch = regions.stamp, regions.batch
@@ -201,6 +264,18 @@ def recore(regions: Regions, terms: Terms) -> list[int]:
     Notes
     -----
     O(sum of m^2) over changed regions of m areas; of large regions only some cores are tried.
+
+    Examples
+    --------
+    The core of region 0 is the smaller one of its areas; the larger one is better.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([1, 2])))
+    >>> regions.dirty.add(0)
+    >>> recore(regions, Terms(temperature=0.0, lack=10.0)), regions.core[:2].tolist()
+    ([0], [0, 2])
     """
     p, changed = regions.problem, sorted(regions.dirty)
     regions.dirty.clear()
@@ -284,7 +359,23 @@ def _random_area(regions, rng):
 
 
 def merge(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
-    """Propose to merge two neighbouring regions."""
+    """Propose to merge two neighbouring regions.
+
+    Examples
+    --------
+    Three areas in a row, the first two in region 0; one region fewer is worth 2, and some
+    proposals later they are one.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], [[0, 1], [1, 2]], [2, 1], 1 - np.eye(2), [3, 3])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 1]), np.array([0, 2])))
+    >>> rng = np.random.default_rng(1)
+    >>> for _ in range(30):
+    ...     merge(regions, Terms(temperature=0.0, lack=10.0, region=2.0), rng)
+    >>> len(set(regions.labels)), regions.count
+    (1, 1)
+    """
     v = _random_area(regions, rng)
     r = regions.labels[v]
     near = [s for s in (regions.labels[u] for u in regions.adjacent[v]) if s != r]
@@ -334,7 +425,23 @@ def merge(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
 
 
 def split(regions: Regions, terms: Terms, rng: np.random.Generator, most: int = 4) -> None:
-    """Propose to split a region in two that are large enough."""
+    """Propose to split a region in two that are large enough.
+
+    Examples
+    --------
+    A region of two areas of each of two classes; some proposals later it is two.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> pairs = [[0, 1], [1, 2], [2, 3]]
+    >>> row = build([5, 5, 5, 5], [0, 0, 1, 1], [0, 1, 2, 3], pairs, [1, 1, 1], 1 - np.eye(2), [8, 8])
+    >>> regions = Regions(row, Solution(np.zeros(4, dtype=int), np.array([0])))
+    >>> rng = np.random.default_rng(1)
+    >>> for _ in range(30):
+    ...     split(regions, Terms(temperature=0.0, lack=10.0), rng)
+    >>> regions.current().region.tolist()
+    [0, 0, 1, 1]
+    """
     r = regions.labels[_random_area(regions, rng)]
     if not 2 <= len(regions.members[r]) <= LARGEST_REGION or not regions.free:
         return
@@ -364,7 +471,24 @@ def split(regions: Regions, terms: Terms, rng: np.random.Generator, most: int = 
 
 
 def move_core(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
-    """Propose to move the core of a region to a neighbour; the rest gets the best new core."""
+    """Propose to move the core of a region to a neighbour; the rest gets the best new core.
+
+    Examples
+    --------
+    The core of region 0 is of the class of region 1. Some proposals later it is there, and the others have a
+    core of their class.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> pairs = [[0, 1], [1, 2], [2, 3]]
+    >>> row = build([5, 5, 5, 5], [0, 0, 1, 1], [0, 1, 2, 3], pairs, [1, 1, 1], 1 - np.eye(2), [8, 8])
+    >>> regions = Regions(row, Solution(np.array([0, 0, 0, 1]), np.array([2, 3])))
+    >>> rng = np.random.default_rng(1)
+    >>> for _ in range(30):
+    ...     move_core(regions, Terms(temperature=0.0, lack=10.0), rng)
+    >>> regions.labels, regions.core[:2].tolist()
+    ([0, 0, 1, 1], [0, 3])
+    """
     p = regions.problem
     r = regions.labels[_random_area(regions, rng)]
     v = int(regions.core[r])
@@ -413,6 +537,22 @@ def gather(regions: Regions, terms: Terms, rng: np.random.Generator) -> None:
 
     Where several small areas of a class lie together in regions of other classes, no move of one of
     them is cheap: they must leave at once.
+
+    Examples
+    --------
+    Areas 1 and 3 are of a class of their own, next to each other, and lost to two regions: neither is large
+    enough alone. Some proposals later they are a region.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> pairs = [[0, 1], [1, 2], [2, 3], [3, 4], [1, 3]]
+    >>> lost = build([6, 3, 6, 3, 6], [0, 1, 0, 1, 0], [0] * 5, pairs, [1] * 5, 1 - np.eye(2), [6, 6])
+    >>> regions = Regions(lost, Solution(np.array([0, 0, 1, 1, 2]), np.array([0, 2, 4])))
+    >>> rng = np.random.default_rng(1)
+    >>> for _ in range(30):
+    ...     gather(regions, Terms(temperature=0.0, lack=10.0), rng)
+    >>> regions.current().region.tolist()
+    [0, 1, 2, 1, 3]
     """
     u = _random_area(regions, rng)
     if regions.theta[u] >= EXCLUDED or not regions.free:

@@ -24,6 +24,19 @@ def repair(regions: Regions, fixed: bool = False) -> None:
     regions : Regions
     fixed : bool
         Whether regions of one area may not be taken, because their number is wanted.
+
+    Examples
+    --------
+    The area in the middle is too small to be a region; its boundary with the first is the longer one.
+
+    >>> from isthmus.core.aggregation.instance import Solution, build
+    >>> from isthmus.core.aggregation.regions import Regions
+    >>> pairs, distance = [[0, 1], [1, 2]], 1 - np.eye(2)
+    >>> row = build([4, 1, 5], [0, 1, 0], [0, 2, 4], pairs, [2, 1], distance, [3, 3], boundary=1)
+    >>> regions = Regions(row, Solution(np.arange(3), np.arange(3)))
+    >>> repair(regions)
+    >>> regions.labels
+    [0, 0, 2]
     """
     for _ in range(len(regions.movable)):
         lack = np.where(regions.number > 0, regions.missing(regions.size, regions.core), 0.0)

@@ -52,6 +52,12 @@ def thresholds(
     ------
     IsthmusError
         If a size is no number of at least 0.
+
+    Examples
+    --------
+    >>> theta, absent = thresholds(["311", "312", "511"], 50, [(312, 80)], ["511", "999"])
+    >>> theta.tolist(), absent
+    ([50.0, 80.0, inf], ['999'])
     """
     theta = dict.fromkeys(classes, float(least))
     for name, value in table:
@@ -91,6 +97,14 @@ def distances(classes: list[str], kind: str, table: Iterable[tuple] = ()) -> tup
     ------
     IsthmusError
         If the table lacks a pair of classes that are on the map.
+
+    Examples
+    --------
+    From b to a it is taken to be as far as from a to b.
+
+    >>> matrix, one_way = distances(["a", "b"], "table", [("a", "b", 0.5)])
+    >>> matrix.tolist(), one_way
+    ([[0.0, 0.5], [0.5, 0.0]], 1)
     """
     if kind == "code":
         return (hierarchical_distance(classes) if classes else np.zeros((0, 0))), 0

@@ -76,7 +76,20 @@ def from_lines(polygon: Polygons, lines: np.ndarray) -> Lines:
 
     Notes
     -----
-    O((n + l) log n), but for one test of each line against the polygon.
+    Section 4.2 of the paper: any diagonals that do not cross may be the candidates. O((n + l) log n), but
+    for one test of each line against the polygon.
+
+    Examples
+    --------
+    The diagonals of a kite cross, and the shorter one stays; the third line ends where there is no vertex.
+
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [9, -1], [20, 0], [9, 1.0]])
+    >>> kite, _ = from_rings(one_polygon(xy, [0, 4]))
+    >>> found = from_lines(kite, [[[0, 0], [20, 0]], [[9, 1], [9, -1]], [[0, 0], [5, 0]]])
+    >>> found.edges.tolist(), found.verdict.tolist() == [CROSSES, ACCEPTED, OFF_VERTICES]
+    ([[1, 3]], True)
     """
     with np.errstate(over="ignore"):  # a line far off a tiny polygon
         lines = np.asarray(lines, dtype=float).reshape(-1, 2, 2) / polygon.unit[0]
@@ -184,6 +197,19 @@ def from_triangulation(
     Returns
     -------
     Diagonals
+
+    Examples
+    --------
+    A flat kite: the Delaunay diagonal is the short one.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [9, -1], [20, 0], [9, 1.0]])
+    >>> kite, _ = from_rings(one_polygon(xy, [0, 4]))
+    >>> component, wanted = np.zeros(1, dtype=int), np.ones(1, dtype=bool)
+    >>> from_triangulation(kite, component, wanted, measure=planar()).edges.tolist()
+    [[1, 3]]
     """
     free = ~wanted[component]
     corner = np.arange(len(polygons.vertex))
@@ -262,6 +288,19 @@ def counted(
         Whether a component, by its number, counts.
     attachable : (n,) bool
         Vertices on a ring that counts by itself.
+
+    Examples
+    --------
+    A hole of half a square metre does not count where the smallest that does is of one.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4.0]])
+    >>> polygon, _ = from_rings(one_polygon(xy, [0, 4, 7]))
+    >>> wanted, attachable = counted(polygon, np.arange(2), planar().equal_area, np.ones(1))
+    >>> wanted.tolist(), attachable.tolist()
+    ([True, False], [True, True, True, True, False, False, False])
     """
     wanted = np.zeros(len(component), dtype=bool)
     attachable = np.ones(len(polygons.xy), dtype=bool)

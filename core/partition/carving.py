@@ -72,7 +72,7 @@ def spanning_tree(
 
     Notes
     -----
-    O(k log k) for k edges between components.
+    Section 4.3 of the paper. O(k log k) for k edges between components.
 
     Examples
     --------
@@ -143,8 +143,21 @@ def carve(
 
     Notes
     -----
-    O(n), and O(d log d) for a vertex of degree d that is passed more than once. A loop only over the
-    turns of the walks from ring to ring.
+    Section 4.3 of the paper. O(n), and O(d log d) for a vertex of degree d that is passed more than once.
+    A loop only over the turns of the walks from ring to ring.
+
+    Examples
+    --------
+    Around the shell, along the edge of T to the hole, around the hole, and back.
+
+    >>> from isthmus.core.partition.polygon import boundary_components, from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> rings = np.array([[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4.0]])
+    >>> polygons, _ = from_rings(one_polygon(rings, [0, 4, 7]))
+    >>> edges, component = np.array([[2, 5], [0, 4]]), boundary_components(polygons)
+    >>> walk, _ = carve(polygons, component, edges, np.array([1]), np.ones(2, dtype=bool))
+    >>> walk.corner.tolist()
+    [0, 1, 2, 3, 0, 4, 5, 6, 4]
     """
     corners, count = len(polygons.vertex), len(polygons.polygon_offsets) - 1
     corner_of = np.zeros(len(polygons.xy), dtype=np.int64)

@@ -97,6 +97,18 @@ def boundary_graph(
     Notes
     -----
     O(n + |S|).
+
+    Examples
+    --------
+    A rectangle and its diagonal: two nodes, half of the boundary between them on either side.
+
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [4, 0], [4, 3], [0, 3.0]])
+    >>> rectangle, _ = from_rings(one_polygon(xy, [0, 4]))
+    >>> around, diagonal, length = np.array([4, 3, 4, 3.0]), np.array([[0, 2]]), np.array([5.0])
+    >>> boundary_graph(rectangle, rectangle.xy, around, diagonal, length, np.array([0])).links[0]
+    {-1: (1, 7.0), -2: (1, 7.0), 0: (1, 5.0)}
     """
     n, vertex, offsets = len(polygons.xy), polygons.vertex, polygons.offsets
     is_node = np.bincount(vertex, minlength=n) > 1
@@ -166,8 +178,20 @@ def detours(polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, leng
 
     Notes
     -----
-    O(n + k), and a step for each ring that a path passes. Rings that touch form a tree, since the interior
-    of a polygon is connected: so there is one way from ring to ring.
+    Dilation as in section 2 of the paper, with S empty. O(n + k), and a step for each ring that a path
+    passes. Rings that touch form a tree, since the interior of a polygon is connected: so there is one way
+    from ring to ring.
+
+    Examples
+    --------
+    From corner to corner of a rectangle it is 7 around, and 5 straight on.
+
+    >>> from isthmus.core.partition.polygon import from_rings
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [4, 0], [4, 3], [0, 3.0]])
+    >>> rectangle, _ = from_rings(one_polygon(xy, [0, 4]))
+    >>> detours(rectangle, np.array([4, 3, 4, 3.0]), np.array([[0, 2]]), np.array([5.0])).tolist()
+    [1.4]
     """
     vertex, ring = polygons.vertex, polygons.ring_of_corner
     passed, perimeter = running(edge_length, polygons.offsets)
@@ -236,7 +260,13 @@ def _ring_trees(polygons, passed):
 
 
 def at_least_one(dilation: np.ndarray) -> np.ndarray:
-    """Dilations as they are in a metric; arcs from chords make long edges a little too long."""
+    """Dilations as they are in a metric; arcs from chords make long edges a little too long.
+
+    Examples
+    --------
+    >>> at_least_one(np.array([1.5, 0.999])).tolist()
+    [1.5, 1.0]
+    """
     return np.maximum(dilation, 1.0)
 
 
@@ -257,6 +287,24 @@ def true_dilations(
     Returns
     -------
     (k,) float
+
+    Notes
+    -----
+    Dilation as in section 2 of the paper. That in the carved polygon may be larger: section 4.3.
+
+    Examples
+    --------
+    A frame with a cut of length 5 from the first corner to the hole: how much longer it is to pass there
+    than to cut at each corner.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [12, 0], [12, 14], [0, 14], [3, 4], [3, 10], [9, 10], [9, 4.0]])
+    >>> corners = xy[[[0, 4], [1, 7], [2, 6], [3, 5]]]
+    >>> p = prepare(one_polygon(xy, [0, 4, 8]), lines=[corners])
+    >>> graph = boundary_graph(p.polygons, p.polygons.xy, p.edge_length, p.edges, p.length, np.array([0]))
+    >>> true_dilations(graph, p.edges, p.length, np.full(4, 99.0), lambda: None).tolist()
+    [1.0, 4.6, 8.6, 5.0]
     """
     dilation = bound.copy()
     for count, k in enumerate(np.flatnonzero(bound > 1.0).tolist()):
@@ -294,6 +342,19 @@ def largest_dilation(
     -------
     (count,) float
         1 where there are no edges.
+
+    Examples
+    --------
+    A frame with a cut from the first corner to the hole: the detour is longest at the opposite one.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [12, 0], [12, 14], [0, 14], [3, 4], [3, 10], [9, 10], [9, 4.0]])
+    >>> corners = xy[[[0, 4], [1, 7], [2, 6], [3, 5]]]
+    >>> p = prepare(one_polygon(xy, [0, 4, 8]), lines=[corners])
+    >>> graph = boundary_graph(p.polygons, p.polygons.xy, p.edge_length, p.edges, p.length, np.array([0]))
+    >>> largest_dilation(graph, p.edges, p.length, np.full(4, 99.0), p.owner, 1, lambda: None).tolist()
+    [8.6]
     """
     largest, searches = [1.0] * count, 0
     order = np.lexsort((-bound, owner))
@@ -353,9 +414,29 @@ def drop_redundant(
 
     Notes
     -----
+    The heuristic of section 4.3 of the paper may select edges unnecessarily: distances in the carved polygon
+    can be longer than in P and S.
+
     One shortest-path search for each selected edge, for a detour around it. The few that have one are
     dropped if all candidates whose witness uses the edge have a witness without it: the old one with
     the detour in it where that is short enough, else one that a search finds.
+
+    Examples
+    --------
+    A frame with cuts at all four corners: the two of lower weight do for tau = 5.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [12, 0], [12, 14], [0, 14], [3, 4], [3, 10], [9, 10], [9, 4.0]])
+    >>> corners = xy[[[0, 4], [1, 7], [2, 6], [3, 5]]]
+    >>> p = prepare(one_polygon(xy, [0, 4, 8]), lines=[corners])
+    >>> every = np.arange(4)
+    >>> graph = boundary_graph(p.polygons, p.polygons.xy, p.edge_length, p.edges, p.length, every)
+    >>> limits, weight = np.full(4, 5.0), np.array([1, 2, 1, 2.0])
+    >>> roles, bounds = np.zeros(4, dtype=int), np.ones(4)
+    >>> rest = graph, p.edges, p.length, every, weight, p.bounded, limits, p.carved, roles, bounds
+    >>> drop_redundant(*rest, lambda: None).tolist()
+    [0, 2]
     """
     allowed = tau * length * (1.0 + SLACK)
     waiting = bounded.copy()

@@ -34,18 +34,43 @@ def only_engine() -> str:
     """Return the engine that the environment variable ISTHMUS_ENGINE asks for, or ''.
 
     For tests, and for those who may not use Triangle though it is installed.
+
+    Examples
+    --------
+    >>> from unittest.mock import patch
+    >>> with patch.dict("os.environ", ISTHMUS_ENGINE="shapely"):
+    ...     only_engine()
+    'shapely'
     """
     return os.environ.get(VARIABLE, "")
 
 
 def engine_names() -> list[str]:
-    """Return the engines that are installed (and asked for, see `only_engine`), the one to prefer first."""
+    """Return the engines that are installed (and asked for, see `only_engine`), the one to prefer first.
+
+    Examples
+    --------
+    In the order of `ENGINES`; none where one is asked for that there is not.
+
+    >>> from unittest.mock import patch
+    >>> engine_names() == [name for name in ENGINES if name in engine_names()]
+    True
+    >>> with patch.dict("os.environ", ISTHMUS_ENGINE="abacus"):
+    ...     engine_names()
+    []
+    """
     only = only_engine()
     return [name for name in ENGINES if only in ("", name) and _installed(name)]
 
 
 def engine_name() -> str:
-    """Return the engine to prefer, or '' where none is installed."""
+    """Return the engine to prefer, or '' where none is installed.
+
+    Examples
+    --------
+    >>> [engine_name()] == engine_names()[:1]
+    True
+    """
     return next(iter(engine_names()), "")
 
 
