@@ -54,6 +54,20 @@ def stay_convex(
     The area of each triangle is linear in the place of one corner. So a linear programme of three
     unknowns finds the place where the smallest share of its area left to a triangle is largest; the
     corner goes half as far towards that as it has to. O(n) and a programme for each corner of a turned one.
+
+    Examples
+    --------
+    A square is cut along its diagonal 0-2, and corner 2 has gone beyond the other diagonal: a dart.
+
+    >>> square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    >>> halves, spare = np.array([(0, 1, 2), (0, 2, 3)]), np.array([(1, 2, 3), (0, 1, 3)])
+    >>> shift, free = np.zeros((4, 2)), np.array([False, False, True, False])
+    >>> shift[2] = -0.6
+    >>> turned(square, square + shift, spare).tolist()
+    [True, False]
+    >>> shift = stay_convex(square, shift, halves, spare, free, lambda: None)
+    >>> turned(square, square + shift, spare).tolist()
+    [False, False]
     """
     now = xy + shift
     for _ in range(ROUNDS):

@@ -134,6 +134,20 @@ def enlarge(
     Notes
     -----
     Newton steps on ``most`` vertices and the outline of the focus; O(n log n) for the rest.
+
+    Examples
+    --------
+    A lake of 2 by 2 in a country of 10 by 10: it becomes twice as wide, and the country stays as it is.
+
+    >>> import shapely
+    >>> country = [(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)]
+    >>> lake = [(4, 4), (4, 6), (6, 6), (6, 4), (4, 4)]
+    >>> rows, starts = np.array(country + lake, dtype=float), np.array([0, 5, 10])
+    >>> found = enlarge(rows, starts, [[0, 1]], shapely.box(3.5, 3.5, 6.5, 6.5), scale=2.0)
+    >>> np.ptp(found.rows[5:], axis=0).round(6).tolist()
+    [4.0, 4.0]
+    >>> np.ptp(found.rows[:5], axis=0).round(6).tolist()
+    [10.0, 10.0]
     """
     done = [0.0]
 

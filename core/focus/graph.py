@@ -54,6 +54,19 @@ def build_graph(rows: np.ndarray, starts: np.ndarray) -> Graph:
     Notes
     -----
     O(k log k).
+
+    Examples
+    --------
+    Two triangles with a side in common: four points and five edges are left of eight rows.
+
+    >>> rows = np.array([(0, 0), (1, 0), (0, 1), (0, 0), (1, 0), (1, 1), (0, 1), (1, 0)])
+    >>> graph = build_graph(rows, np.array([0, 4, 8]))
+    >>> graph.xy.tolist()
+    [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
+    >>> graph.vertex.tolist()
+    [0, 2, 1, 0, 2, 3, 1, 2]
+    >>> graph.edges.tolist()
+    [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
     """
     rows = np.ascontiguousarray(rows, dtype=float) + 0.0  # + 0.0: there is only one zero
     if not np.isfinite(rows).all():
@@ -82,7 +95,15 @@ def unique_pairs(pairs: np.ndarray, n: int) -> np.ndarray:
 
 
 def components(n: int, edges: np.ndarray) -> np.ndarray:
-    """Return the (n,) number of the connected component of each vertex."""
+    """Return the (n,) number of the connected component of each vertex.
+
+    Examples
+    --------
+    Of five vertices, 0 and 3 hang together, and 1 and 4:
+
+    >>> components(5, np.array([(0, 3), (1, 4)])).tolist()
+    [0, 1, 2, 0, 1]
+    """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -97,6 +118,11 @@ def match(xy: np.ndarray, points: np.ndarray) -> np.ndarray:
     ----------
     xy : (n, 2) float
     points : (k, 2) float
+
+    Examples
+    --------
+    >>> match(np.array([(0.0, 0.0), (2.0, 1.0)]), np.array([(2.0, 1.0), (5.0, 5.0)])).tolist()
+    [1, -1]
     """
     from scipy.spatial import cKDTree
 
@@ -126,6 +152,16 @@ def joins(xy: np.ndarray, edges: np.ndarray, tau: float) -> np.ndarray:
     Notes
     -----
     O(n log n), and O(k j) for k edges between two components of which j count.
+
+    Examples
+    --------
+    Two banks of a river: where long detours are allowed, one bridge is enough.
+
+    >>> xy, banks = np.array([(0, 0), (4, 0), (0, 1), (4, 2.0)]), np.array([(0, 1), (2, 3)])
+    >>> joins(xy, banks, 2.0).tolist()
+    [[0, 2], [1, 3]]
+    >>> joins(xy, banks, 5.0).tolist()
+    [[0, 2]]
     """
     from scipy.spatial import Delaunay, QhullError
 

@@ -80,6 +80,20 @@ def coarsen(
     Notes
     -----
     O(n log n): each round takes out a share of what is left.
+
+    Examples
+    --------
+    The end of a tiny edge in the middle of a square goes into its beginning.
+
+    >>> from isthmus.core.focus.mesh import frame_triangles
+    >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
+    >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
+    >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> coarse.into.tolist()
+    [0, 1, 2, 3, 4, 4]
+    >>> len(triangles), len(coarse.triangles)
+    (6, 4)
     """
     n = len(xy)
     rng = np.random.default_rng(1)
@@ -234,6 +248,24 @@ def reinsert(
     -------
     (n, 2) float
         The shift of all.
+
+    Notes
+    -----
+    Shen et al., Progressive embedding, 2019: there always is a place near the neighbour.
+
+    Examples
+    --------
+    The end of a tiny edge was taken out: it comes back beside its beginning, and moves with that.
+
+    >>> from isthmus.core.focus.mesh import frame_triangles
+    >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
+    >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
+    >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> shift = np.zeros((6, 2))
+    >>> shift[4] = 0.1, 0.0
+    >>> reinsert(coarse, xy, shift, rigid, lambda: None)[4:].round(6).tolist()
+    [[0.1, 0.0], [0.098, 0.0]]
     """
     shift = shift.copy()
     for gone, into, rows in reversed(coarse.levels):

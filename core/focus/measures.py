@@ -48,6 +48,18 @@ def angular_distortion(
     Notes
     -----
     With singular values a >= b of the map, omega = 2 arcsin((a - b) / (a + b)).
+
+    Examples
+    --------
+    A triangle as it is, stretched to twice its width, and upside down:
+
+    >>> before, triangle = np.array([(0, 0), (1, 0), (0, 1.0)]), np.array([(0, 1, 2)])
+    >>> for factor in ((1, 1), (2, 1), (1, -1)):
+    ...     area, kept, angle = angular_distortion(before, before * factor, triangle)
+    ...     print(area.tolist(), kept.tolist(), angle.round(1).tolist())
+    [0.5] [True] [0.0]
+    [0.5] [True] [38.9]
+    [0.5] [False] [180.0]
     """
     p, q = (xy[triangles[:, 1:]] - xy[triangles[:, :1]] for xy in (before, after))
     area = p[:, 0, 0] * p[:, 1, 1] - p[:, 0, 1] * p[:, 1, 0]
@@ -66,7 +78,18 @@ def angular_distortion(
 
 
 def distortion(before: np.ndarray, after: np.ndarray, triangles: np.ndarray) -> Distortion:
-    """Return the `Distortion` of triangles, weighed by their area before."""
+    """Return the `Distortion` of triangles, weighed by their area before.
+
+    Examples
+    --------
+    Of a square, one half is stretched to twice its width.
+
+    >>> before = np.array([(0, 0), (1, 0), (1, 1), (0, 1.0)])
+    >>> after, halves = before + [(0, 0), (1, 0), (0, 0), (0, 0)], np.array([(0, 1, 3), (1, 2, 3)])
+    >>> found = distortion(before, after, halves)
+    >>> found.flipped, round(found.median, 1), round(found.high, 1)
+    (0.0, 38.9, 53.1)
+    """
     if not len(triangles):
         return Distortion(0.0, 0.0, 0.0)
     area, kept, angle = angular_distortion(before, after, triangles)

@@ -62,6 +62,19 @@ def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
     Notes
     -----
     O(m log m) for the short edges of a map.
+
+    Examples
+    --------
+    Two edges that cross get a vertex there.
+
+    >>> xy = np.array([(0, 0), (1, 1), (0, 1), (1, 0.0)])
+    >>> noded = node(xy, np.array([(0, 1), (2, 3)]), lambda: None)
+    >>> noded.xy[4:].tolist()
+    [[0.5, 0.5]]
+    >>> noded.edges.tolist()
+    [[0, 4], [1, 4], [2, 4], [3, 4]]
+    >>> noded.splits.tolist()
+    [[0, 1, 4], [2, 3, 4]]
     """
     given = edges
     parent = np.arange(len(edges))
@@ -185,6 +198,18 @@ def frame_triangles(xy: np.ndarray, segments: np.ndarray) -> np.ndarray:
     Raises
     ------
     Unsolvable, MissingEngine
+
+    Examples
+    --------
+    Of a rhombus the short diagonal is an edge of the triangulation, unless the long one is asked for.
+
+    >>> rhombus = np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)])
+    >>> none = np.empty((0, 2), dtype=int)
+    >>> sorted(np.sort(frame_triangles(rhombus, none), axis=1).tolist())
+    [[0, 1, 3], [1, 2, 3]]
+    >>> segments = np.array([(0, 1), (1, 2), (2, 3), (0, 3), (0, 2)])
+    >>> sorted(np.sort(frame_triangles(rhombus, segments), axis=1).tolist())
+    [[0, 1, 2], [0, 2, 3]]
     """
     name = engine_name()
     if not name:
@@ -284,6 +309,15 @@ def others(xy: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarr
     Notes
     -----
     O(t log t).
+
+    Examples
+    --------
+    A square cut along one diagonal stays convex if the triangles beside the other stay upright, too.
+
+    >>> square = np.array([(0, 0), (1, 0), (1, 1), (0, 1.0)])
+    >>> halves, sides = np.array([(0, 1, 2), (0, 2, 3)]), np.array([(0, 1), (1, 2), (2, 3), (0, 3)])
+    >>> others(square, halves, sides).tolist()
+    [[0, 1, 2], [1, 2, 3], [2, 3, 0], [3, 0, 1]]
     """
     n = len(xy)
     side = np.concatenate([np.roll(triangles, -k, axis=1) for k in range(3)])  # an edge, what is opposite
@@ -323,6 +357,15 @@ def turned(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, flat: f
         Counter-clockwise before.
     flat : float
         The height of a flat triangle, as a share of the width of all.
+
+    Examples
+    --------
+    The top of the second of two triangles is pulled down through its base.
+
+    >>> before = np.array([(0, 0), (4, 0), (2, 1), (2, 2.0)])
+    >>> after = np.array([(0, 0), (4, 0), (2, 1), (2, 0.5)])
+    >>> turned(before, after, np.array([(0, 1, 2), (1, 3, 2)])).tolist()
+    [False, True]
     """
     a, b, c = after[triangles].transpose(1, 0, 2)
     wrong = np.flatnonzero(orientations(a, b, c) <= 0)
@@ -340,13 +383,29 @@ def flatness(xy: np.ndarray, flat: float = FLAT) -> float:
     xy : (n, 2) float
     flat : float
         As a share of their width.
+
+    Examples
+    --------
+    A square of size 1, and the same far from the origin:
+
+    >>> square = np.array([(0, 0), (1, 0), (1, 1), (0, 1.0)])
+    >>> flatness(square), flatness(square + 1e7) > 1e-9
+    (1e-11, True)
     """
     rounding = 4.0 * np.finfo(float).eps * np.abs(xy).max(initial=0.0)
     return float(max(flat * np.ptp(xy, axis=0).max(initial=0.0), rounding)) if len(xy) else 0.0
 
 
 def heights(xy: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Return the least height of each triangle, negative if it is clockwise."""
+    """Return the least height of each triangle, negative if it is clockwise.
+
+    Examples
+    --------
+    A triangle whose sides are 3, 4 and 5 long, counter-clockwise and clockwise:
+
+    >>> heights(np.array([(0, 0), (4, 0), (0, 3.0)]), np.array([(0, 1, 2), (0, 2, 1)])).round(3).tolist()
+    [2.4, -2.4]
+    """
     a, b, c = xy[triangles].transpose(1, 0, 2)
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
     double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]

@@ -36,7 +36,7 @@ def min_size(
     natural: bool = False,
     smallest: float = 0.0,
 ) -> np.ndarray:
-    """Return the fewest diagonals that keep every detour within tau (Theorem 1).
+    """Return the fewest diagonals that keep every detour within tau (Theorem 1 of the paper).
 
     Parameters
     ----------
@@ -55,6 +55,16 @@ def min_size(
     -------
     (s, 2) int
         Rows of ``coords`` at the ends.
+
+    Examples
+    --------
+    An hourglass: the way around either half is much longer than across its waist, between rows 1 and 4.
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> min_size(hourglass, [0, 6], 2.0, lambda: None).tolist()
+    [[1, 4]]
+    >>> min_size(hourglass, [0, 6], 50.0, lambda: None).tolist()
+    []
     """
     solution = partition(
         coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
@@ -77,7 +87,16 @@ def min_length(
 
     Notes
     -----
-    Within `GAP` of the optimum, or what is found in `SECONDS`.
+    MinLength of section 4.4 of the paper, where it is shown to be weakly NP-hard: within `GAP` of the
+    optimum, or what is found in `SECONDS`.
+
+    Examples
+    --------
+    The waist of an hourglass, between rows 1 and 4:
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> min_length(hourglass, [0, 6], 2.0, lambda: None).tolist()
+    [[1, 4]]
     """
     solution = partition(
         coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
@@ -87,7 +106,7 @@ def min_length(
 
 
 def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable) -> np.ndarray:
-    """Return the diagonals of van Dijk et al.: add that of largest dilation until none is above tau.
+    """Return the diagonals of van Dijk et al. (2013): add that of largest dilation until none is above tau.
 
     Parameters, returns: see `min_size`.
 
@@ -97,6 +116,14 @@ def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable)
     needs the other: so each part goes on by itself, and the dilation of a diagonal is the shorter
     way around its part over its length. O(n) for each edge added, less as the parts get smaller.
     A polygon with holes is first joined by a shortest spanning tree (section 4.3).
+
+    Examples
+    --------
+    The waist of an hourglass, between rows 1 and 4:
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> greedy(hourglass, [0, 6], 2.0, lambda: None).tolist()
+    [[1, 4]]
     """
     polygon, edges = _candidates(coords, offsets)
     component = boundary_components(polygon)
@@ -145,7 +172,7 @@ def greedy(coords: np.ndarray, offsets: np.ndarray, tau: float, check: Callable)
 
 
 def proximity(coords: np.ndarray, offsets: np.ndarray, reach: float, check: Callable) -> np.ndarray:
-    """Return the diagonals of Harrie and Sarjakoski: shorter than ``reach``, with no short way.
+    """Return the diagonals of Harrie and Sarjakoski (2002): shorter than ``reach``, with no short way.
 
     Parameters
     ----------
@@ -159,7 +186,21 @@ def proximity(coords: np.ndarray, offsets: np.ndarray, reach: float, check: Call
 
     Notes
     -----
-    A way is short if it has fewer than `HOPS` segments of the outline.
+    A way is short if it has fewer than `HOPS` segments of the outline: k in section 5.1 of the paper, where
+    ``reach`` is epsilon.
+
+    Examples
+    --------
+    The waist of an hourglass is 1 wide. Where the way around has few segments, it is no edge; where each
+    side is of four pieces, it is.
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> proximity(hourglass, [0, 6], 2.0, lambda: None).tolist()
+    []
+    >>> between = np.linspace(hourglass, np.roll(hourglass, -1, axis=0), 5)[:-1]
+    >>> dense = between.transpose(1, 0, 2).reshape(-1, 2)
+    >>> proximity(dense, [0, 24], 2.0, lambda: None).tolist(), dense[[4, 16]].tolist()
+    ([[4, 16]], [[10.0, 4.0], [10.0, 5.0]])
     """
     polygon, edges = _candidates(coords, offsets)
     check()
@@ -198,6 +239,16 @@ def select(
     Raises
     ------
     Unsolvable
+
+    Examples
+    --------
+    The waist of an hourglass, between rows 1 and 4:
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> select("MinSize", hourglass, [0, 6], 2.0, 22.4, lambda: None).tolist()
+    [[1, 4]]
+    >>> select("None", hourglass, [0, 6], 2.0, 22.4, lambda: None).tolist()
+    []
     """
     if callable(rule):
         return rule(coords, offsets, tau, check)
@@ -254,6 +305,16 @@ def rule_of(name: str, natural: bool = False, smallest: float = 0.0) -> str | Ca
         Whether only those diagonals are candidates where people would cut.
     smallest : float
         The smallest part, as a share of each polygon.
+
+    Examples
+    --------
+    The waist of an hourglass, between rows 1 and 4, but not where a half of it is too small:
+
+    >>> hourglass = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> select(rule_of("MinSize"), hourglass, [0, 6], 2.0, 22.4, lambda: None).tolist()
+    [[1, 4]]
+    >>> select(rule_of("MinSize", smallest=0.6), hourglass, [0, 6], 2.0, 22.4, lambda: None).tolist()
+    []
     """
     function = {"MinSize": min_size, "MinLength": min_length}.get(name)
     return name if function is None else partial(function, natural=natural, smallest=smallest)

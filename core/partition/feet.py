@@ -127,6 +127,24 @@ def concave_places(polygons: Polygons, found: Places, outline: Outline) -> np.nd
     Returns
     -------
     (m,) bool
+
+    Examples
+    --------
+    The tip of a notch is a sharp bend, unless the whole notch, with an area of 9, is small detail.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.natural import generalised
+    >>> from isthmus.core.partition.polygon import one
+    >>> rows = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> polygon = one(rows, [0, 7])
+    >>> sides = sides_of(polygon, triangulate(polygon)[0])
+    >>> found = places(polygon, sides, polygon.xy, planar())
+    >>> edge_length = planar().length(polygon.xy, np.arange(7), np.arange(1, 8) % 7)
+    >>> for detail in (1.0, 10.0):
+    ...     outline = generalised(polygon.xy, polygon.xy, polygon.offsets, edge_length, np.array([detail]))
+    ...     print(concave_places(polygon, found, outline).tolist())
+    [True]
+    [False]
     """
     corner = np.empty(len(polygons.xy), dtype=np.int64)
     corner[polygons.vertex] = np.arange(len(polygons.vertex))
@@ -148,6 +166,21 @@ def large_places(polygons: Polygons, found: Places, measure: Metric, smallest: n
     Returns
     -------
     (m,) bool
+
+    Examples
+    --------
+    A notch hangs down to 1 above a bare floor: a cut there leaves 95.5 on either side.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.polygon import one
+    >>> rows = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> polygon = one(rows, [0, 7])
+    >>> sides = sides_of(polygon, triangulate(polygon)[0])
+    >>> found = places(polygon, sides, polygon.xy, planar())
+    >>> for smallest in (90.0, 100.0):
+    ...     print(large_places(polygon, found, planar(), np.array([smallest])).tolist())
+    [True]
+    [False]
     """
     if not len(found.edge) or not (smallest > 0.0).any():
         return np.ones(len(found.edge), dtype=bool)
@@ -290,6 +323,23 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     Returns
     -------
     (k,) bool
+
+    Examples
+    --------
+    The floor below a notch gets a new vertex, number 1: from 0 to 2 is along the floor, from 1 to 5 is not.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.polygon import one
+    >>> from isthmus.core.rings import one_polygon
+    >>> rows = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> polygon = one(rows, [0, 7])
+    >>> split, _, _ = with_feet(
+    ...     polygon, one_polygon(rows, [0, 7]), np.zeros(1, dtype=bool), np.zeros(1), measure=planar()
+    ... )
+    >>> split.xy[:3].tolist()
+    [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]]
+    >>> along_edges(split, np.array([(0, 2), (1, 5)])).tolist()
+    [True, False]
     """
     corner = np.empty(len(polygons.xy), dtype=np.int64)
     corner[polygons.vertex] = np.arange(len(polygons.vertex))

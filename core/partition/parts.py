@@ -80,6 +80,22 @@ def build_parts(
     -----
     O(n), but for a sort of n + 2 |S| integers. Parts tile the polygon by construction: each
     half-edge of P and S is used exactly once.
+
+    Examples
+    --------
+    An hourglass is cut in two at its waist, between rows 1 and 4; the right half is the larger one.
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.carving import carve
+    >>> from isthmus.core.partition.polygon import one
+    >>> rows = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> hourglass, waist, uncut = one(rows, [0, 6]), np.array([(1, 4)]), np.empty(0, dtype=int)
+    >>> walk, _ = carve(hourglass, np.zeros(1, dtype=int), waist, uncut, np.ones(1, dtype=bool))
+    >>> parts = build_parts(hourglass, walk, np.array([0]), uncut, planar().equal_area)
+    >>> [[ring.tolist() for ring in rings] for rings in parts.rings], parts.area.tolist()
+    ([[[1, 2, 3, 4]], [[0, 1, 4, 5]]], [55.0, 50.0])
+    >>> parts.sides.tolist()
+    [[0, 1]]
     """
     faces = _faces(polygons, walk, selected, tree)
     roots, below, above, is_cut = len(polygons.unit), faces.below, faces.above, faces.is_cut
@@ -145,6 +161,24 @@ def merged_parts(
     Notes
     -----
     O(n) and a sort of the half-edges of all unions, pieces counted as often as they are in one.
+
+    Examples
+    --------
+    The halves of an hourglass, and what they make together:
+
+    >>> from isthmus.core.metric import planar
+    >>> from isthmus.core.partition.carving import carve
+    >>> from isthmus.core.partition.polygon import one
+    >>> rows = np.array([(0, 0), (10, 4), (20, 0), (20, 10), (10, 5), (0, 9.0)])
+    >>> hourglass, waist, uncut = one(rows, [0, 6]), np.array([(1, 4)]), np.empty(0, dtype=int)
+    >>> walk, _ = carve(hourglass, np.zeros(1, dtype=int), waist, uncut, np.ones(1, dtype=bool))
+    >>> parts = build_parts(hourglass, walk, np.array([0]), uncut, planar().equal_area)
+    >>> [[ring.tolist() for ring in rings] for rings in parts.rings]
+    [[[1, 2, 3, 4]], [[0, 1, 4, 5]]]
+    >>> both, offsets = np.array([0, 1]), np.array([0, 2])
+    >>> union, _, _ = next(merged_parts(hourglass, walk, np.array([0]), uncut, parts, both, offsets))
+    >>> union.tolist()
+    [0, 1, 2, 3, 4, 5]
     """
     faces = _faces(polygons, walk, selected, tree)
     m, roots, below = len(walk.corner), len(polygons.unit), faces.below

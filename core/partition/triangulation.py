@@ -26,7 +26,16 @@ TOO_FINE = Sentence("the polygon could not be triangulated (too fine for double 
 
 
 def missing_packages(shapely_module: ModuleType = shapely) -> str:
-    """Return what is missing in a few words, or '' if polygons can be triangulated."""
+    """Return what is missing in a few words, or '' if polygons can be triangulated.
+
+    Examples
+    --------
+    With an old shapely it says:
+
+    >>> from types import SimpleNamespace
+    >>> missing_packages(SimpleNamespace(__version__="1.8.5"))
+    'shapely 2 is needed, and 1.8.5 is installed'
+    """
     version = shapely_module.__version__
     if not hasattr(shapely_module, "get_coordinates"):  # shapely 1 imports too
         return Sentence("shapely 2 is needed, and {} is installed", version)
@@ -92,6 +101,16 @@ def triangulate(
     Notes
     -----
     O(n log n) (Triangle's divide and conquer).
+
+    Examples
+    --------
+    A rhombus is cut along its short diagonal.
+
+    >>> from isthmus.core.partition.polygon import one
+    >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
+    >>> triangles, verdict = triangulate(rhombus)
+    >>> sorted(np.sort(triangles, axis=1).tolist()), verdict.tolist()
+    ([[0, 1, 3], [1, 2, 3]], [''])
     """
     names = engines.engine_names()
     if engine:
@@ -148,6 +167,15 @@ def diagonals(polygons: Polygons, triangles: np.ndarray, sides: Sides | None = N
     -------
     (m, 2) int
         Vertices u < v of the n + 3 (h - 1) diagonals of each polygon, u ascending, then v descending.
+
+    Examples
+    --------
+    A rhombus in two triangles has one:
+
+    >>> from isthmus.core.partition.polygon import one
+    >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
+    >>> diagonals(rhombus, np.array([(0, 1, 3), (1, 2, 3)])).tolist()
+    [[1, 3]]
     """
     n = len(polygons.xy)
     a, b, boundary = sides or sides_of(polygons, triangles)
@@ -215,6 +243,16 @@ def sides_of(polygons: Polygons, triangles: np.ndarray) -> Sides:
     Notes
     -----
     O(t), but where rings touch a sort of some n.
+
+    Examples
+    --------
+    A rhombus in two triangles: both have the diagonal 1-3, which is no edge of the rhombus.
+
+    >>> from isthmus.core.partition.polygon import one
+    >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
+    >>> sides = sides_of(rhombus, np.array([(0, 1, 3), (1, 2, 3)]))
+    >>> list(zip(sides.tail.tolist(), sides.head.tolist(), sides.boundary.tolist()))
+    [(0, 1, True), (1, 3, False), (3, 0, True), (1, 2, True), (2, 3, True), (3, 1, False)]
     """
     n = len(polygons.xy)
     a, b = triangles.ravel(), triangles.take([1, 2, 0], axis=1).ravel()
