@@ -314,7 +314,7 @@ def prepare(
 def for_tau(
     problem: Problem, tau: np.ndarray, max_gap: float = 0.001, check: Callable = ignore
 ) -> tuple[Selection, dict[int, float]]:
-    """Choose the cuts for a largest detour (section 2 of the paper: its problems for a given tau).
+    """Choose the cuts for a largest detour (MinSize or MinWeight, section 2 of the paper).
 
     Parameters
     ----------
@@ -368,7 +368,9 @@ def for_tau(
 def within_budget(
     problem: Problem, budget: Sequence[float], check: Callable = ignore
 ) -> tuple[Selection, dict[int, float]]:
-    """Choose the cuts with the smallest largest detour that a budget allows: the dual problem (section 2).
+    """Choose the cuts with the smallest largest detour that a budget allows.
+
+    The dual of the problems with a given tau (section 2 of the paper).
 
     Parameters
     ----------

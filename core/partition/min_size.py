@@ -63,7 +63,7 @@ class Network(NamedTuple):
 
 
 def network(tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_length: np.ndarray) -> Network:
-    """Join dual trees with the lengths of their edges (section 4.1 of the paper: T and ||e||).
+    """Join dual trees with the lengths of their edges (T and ||e|| in section 4.1 of the paper).
 
     Parameters
     ----------

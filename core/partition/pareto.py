@@ -7,8 +7,8 @@ Two fronts per edge, weight ascending, value strictly descending:
 
 With that sign both are minimised, and children combine by plain addition: two offers add up to an
 offer, an offer and a demand to a demand (what the sibling's path uses up of the allowance), and
-two demands never meet (Lemma 1 of the paper). So `min_weight` solves MinWeight (section 4.4) for any
-weights, not only for integers.
+two demands never meet (Lemma 1 of the paper). So MinWeight needs no integer weights, as it
+does in section 4.4 there (see `min_weight`).
 
 The fronts of all edges of a level stand one after the other in flat arrays. Nothing here mixes edges:
 what becomes of a front is the same, to the last bit, whatever stands beside it.
