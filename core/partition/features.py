@@ -244,6 +244,21 @@ def prepare(
     Returns
     -------
     Problem
+
+    Examples
+    --------
+    An hourglass is ready to be solved, and is refused where a number that goes with it cannot be.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no, wrong = np.zeros(1), np.array([-1.0])
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> problem.solved.tolist()
+    [True]
+    >>> problem = prepare(chunk, natural=False, smallest_part=wrong, min_length=no, min_hole=no)
+    >>> print(problem.verdict[0])
+    SMALLEST_PART must be a number from 0 on, and is -1
     """
     owner, count = chunk.owner, len(chunk.features)
     area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
@@ -299,7 +314,7 @@ def prepare(
 def for_tau(
     problem: Problem, tau: np.ndarray, max_gap: float = 0.001, check: Callable = ignore
 ) -> tuple[Selection, dict[int, float]]:
-    """Choose the cuts for a largest detour.
+    """Choose the cuts for a largest detour (MinSize or MinWeight, section 2 of the paper).
 
     Parameters
     ----------
@@ -317,6 +332,19 @@ def for_tau(
     selection : Selection
     open_gaps : dict
         For each feature whose search ended early, the gap to the lower bound as a share of the cost.
+
+    Examples
+    --------
+    An hourglass: the way around its neck is longer than 4 times the way across, so there is a cut.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> selection, open_gaps = for_tau(problem, np.array([4.0]))
+    >>> problem.prepared.edge_rows[selection.selected].tolist(), open_gaps
+    ([[1, 4]], {})
     """
     bad = ~((tau >= 1.0) & (tau < np.inf))
     for f in np.flatnonzero(bad).tolist():
@@ -342,6 +370,8 @@ def within_budget(
 ) -> tuple[Selection, dict[int, float]]:
     """Choose the cuts with the smallest largest detour that a budget allows.
 
+    The dual of the problems with a given tau (section 2 of the paper).
+
     Parameters
     ----------
     problem : Problem
@@ -356,6 +386,21 @@ def within_budget(
     selection : Selection
     unproven : dict
         For each feature for which a smaller detour could be neither shown nor ruled out, the one achieved.
+
+    Examples
+    --------
+    An hourglass and a budget of one cut, which is best spent at its neck.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> selection, unproven = within_budget(problem, [1.0])
+    >>> problem.prepared.edge_rows[selection.selected].tolist(), unproven
+    ([[1, 4]], {})
+    >>> selection.dilation.round(1).tolist()
+    [1.1]
     """
     count, tau, unproven = len(problem.chunk.features), [], {}
     for f, own in enumerate(budget):
@@ -398,6 +443,20 @@ def curves(problem: Problem, low: float, high: float, most: int, check: Callable
     list of (TradeOff, list)
         For each feature its curve, and a row for each step: tau, number of cuts, their length, cost, and the
         share of the largest part (NaN where areas are beyond what doubles hold).
+
+    Examples
+    --------
+    An hourglass: with no cut the largest detour is 11.4; one that is 2 long makes it 1.1, and the larger part
+    is two thirds then.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> [(curve, steps)] = curves(problem, 1.5, math.inf, 9)
+    >>> [[round(x, 2) for x in step] for step in steps]
+    [[11.4, 0, 0.0, 0.0, 1.0], [1.1, 1, 2.0, 1.0, 0.67]]
     """
     count, prepared, solved = len(problem.chunk.features), problem.prepared, problem.solved
     options = _trial(problem, check)
@@ -439,6 +498,19 @@ def without_vertex(problem: Problem, selection: Selection, tau: np.ndarray) -> i
     """Count the places where a cut is missing for want of a vertex (`solve.without_vertex`).
 
     ``tau`` is that of each feature; one that is none counts nothing.
+
+    Examples
+    --------
+    A notch in the upper side comes near the lower side, where there is no vertex to cut to.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 7]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> tau = np.array([4.0])
+    >>> without_vertex(problem, for_tau(problem, tau)[0], tau)
+    1
     """
     tau = np.where(tau >= 1.0, tau, np.inf)
     found = solve.without_vertex(problem.prepared, selection, tau[problem.owner])
@@ -446,7 +518,21 @@ def without_vertex(problem: Problem, selection: Selection, tau: np.ndarray) -> i
 
 
 def by_feature(problem: Problem, values: np.ndarray) -> np.ndarray:
-    """Sum up numbers of the prepared polygons that are solved, for each feature."""
+    """Sum up numbers of the prepared polygons that are solved, for each feature.
+
+    Examples
+    --------
+    Three triangles; the first two are one feature.
+
+    >>> from isthmus.core import metric
+    >>> xy = np.tile([[0, 0], [1, 0], [0, 1.0]], (3, 1))
+    >>> rings = Rings(xy, np.array([0, 3, 6, 9]), np.arange(4))
+    >>> chunk = Chunk(["a", "b"], rings, np.array([0, 0, 1]), [None, None], metric.planar())
+    >>> no = np.zeros(2)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> by_feature(problem, np.array([1.0, 2.0, 4.0])).tolist()
+    [3.0, 4.0]
+    """
     solved = problem.solved
     return np.bincount(problem.owner[solved], weights=values[solved], minlength=len(problem.chunk.features))
 
@@ -477,6 +563,21 @@ def pieces(problem: Problem, parts: Parts) -> Pieces:
     Returns
     -------
     Pieces
+
+    Examples
+    --------
+    An hourglass is cut at its neck into two pieces.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> solution = solve.finish(problem.prepared, for_tau(problem, np.array([4.0]))[0])
+    >>> found = pieces(problem, solution.parts)
+    >>> offsets = found.offsets.tolist()
+    >>> found.area.tolist(), [found.rows[lo:hi].tolist() for lo, hi in zip(offsets[:-1], offsets[1:])]
+    ([60.0, 30.0], [[1, 2, 3, 4], [0, 1, 4, 5]])
     """
     rings, owner = problem.chunk.rings, problem.chunk.owner
     number = problem.prepared.polygons.number
@@ -523,6 +624,22 @@ def cuts(problem: Problem, solution: Partition, found: Pieces) -> tuple[np.ndarr
         length, detour (infinite where only a cut connects the ends), part_a, part_b (numbers of the parts
         on both sides, the smaller one first) and share (the smaller side in per cent of the feature; NaN
         where it was not measured).
+
+    Examples
+    --------
+    An hourglass is cut at its neck, between part 1 and part 2.
+
+    >>> from isthmus.core import metric, rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> solution = solve.finish(problem.prepared, for_tau(problem, np.array([4.0]))[0])
+    >>> chosen, fields = cuts(problem, solution, pieces(problem, solution.parts))
+    >>> solution.edge_rows[chosen].tolist()
+    [[1, 4]]
+    >>> [(name, fields[name].round(1).tolist()) for name in ("length", "detour", "part_a", "part_b")]
+    [('length', [2.0]), ('detour', [11.4]), ('part_a', [1]), ('part_b', [2])]
     """
     chosen = np.flatnonzero(solution.role == SELF)
     own = problem.solved[solution.owner[chosen]]

@@ -63,7 +63,7 @@ class Network(NamedTuple):
 
 
 def network(tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_length: np.ndarray) -> Network:
-    """Join dual trees with the lengths of their edges.
+    """Join dual trees with the lengths of their edges (T and ||e|| in section 4.1 of the paper).
 
     Parameters
     ----------
@@ -74,6 +74,17 @@ def network(tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_leng
         Length of the walk's edge that leaves each place.
     diagonal_length : (k,) float
         Lengths of the diagonals, in the order in which the tree was given them.
+
+    Examples
+    --------
+    A long rhombus, cut across by its short diagonal: the edge from place 3 back to place 0 is the root.
+
+    >>> from isthmus.core.partition.dual_tree import build_tree
+    >>> walk = np.array([0, 4])
+    >>> tree = build_tree(walk, np.array([1]), np.array([3]))
+    >>> net = network(tree, walk, np.full(4, 10.0), np.array([2.0]))
+    >>> net.length.tolist(), net.base.tolist()
+    ([10.0, 2.0], [10.0, 20.0])
     """
     root = offsets[1:] - 1
     length = np.append(step[root], diagonal_length[tree.diagonal])
@@ -84,7 +95,7 @@ def network(tree: DualTree, offsets: np.ndarray, step: np.ndarray, diagonal_leng
 
 
 def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = None) -> np.ndarray:
-    """Solve MinSize: the fewest diagonals so that all are within tau (Theorem 1 of the paper).
+    """Solve MinSize: the fewest diagonals so that all are within tau (Theorem 1 of the paper, section 4.1).
 
     Parameters
     ----------
@@ -103,6 +114,17 @@ def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = Non
     Notes
     -----
     O(n) for n edges. The size does not depend on the root edge.
+
+    Examples
+    --------
+    A long rhombus, and its short diagonal as the only candidate: the way around it is 10 times as long.
+
+    >>> from isthmus.core.partition.dual_tree import build_tree
+    >>> walk = np.array([0, 4])
+    >>> tree = build_tree(walk, np.array([1]), np.array([3]))
+    >>> net = network(tree, walk, np.full(4, 10.0), np.array([2.0]))
+    >>> min_size(net, 9.0).tolist() == [SELF, SELF], min_size(net, 10.0).tolist() == [SELF, LEAF]
+    (True, True)
     """
     solve = _states_by_node if net.narrow else _states_by_level
     leaf, value, serves = solve(net, tau, check or ignore)
@@ -116,6 +138,9 @@ def witness_lengths(
     net: Network, cut: np.ndarray | None, check: Callable | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Lengths of the shortest paths on the two sides of each edge, in P and a set of cuts.
+
+    The sides are the components T^LEAF and T^ROOT of section 4.1 of the paper; the paths that are short
+    enough are its witnesses (section 2).
 
     Exact for a polygon without holes, where a shortest path between the ends of a diagonal stays
     on one side of it. For a carved polygon both are upper bounds.
@@ -137,6 +162,18 @@ def witness_lengths(
     Notes
     -----
     O(n).
+
+    Examples
+    --------
+    A long rhombus with its short diagonal, which is not selected: 20 around it on either side.
+
+    >>> from isthmus.core.partition.dual_tree import build_tree
+    >>> walk = np.array([0, 4])
+    >>> tree = build_tree(walk, np.array([1]), np.array([3]))
+    >>> net = network(tree, walk, np.full(4, 10.0), np.array([2.0]))
+    >>> below, above = witness_lengths(net, np.array([True, False]))
+    >>> float(below[1]), float(above[1])
+    (20.0, 20.0)
     """
     sides = _sides_by_node if net.narrow else _sides_by_level
     return sides(net, cut, check or ignore)

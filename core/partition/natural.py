@@ -156,6 +156,19 @@ def natural(
     Notes
     -----
     O(n log n), but for the diagonals within reach of those that only a step could keep.
+
+    Examples
+    --------
+    Of the three diagonals of an hourglass, people would cut along the one at its neck.
+
+    >>> from isthmus.core import metric
+    >>> from isthmus.core.partition.polygon import one
+    >>> hourglass = one(np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]]), [0, 6])
+    >>> triangles = np.array([[0, 1, 5], [1, 4, 5], [1, 2, 3], [1, 3, 4]])
+    >>> diagonals = np.array([[1, 3], [1, 4], [1, 5]])
+    >>> found = natural(hourglass, diagonals, triangles, hourglass.xy, metric.planar(), np.array([1.0]))
+    >>> found.kept.tolist(), found.share.round(3).tolist()
+    ([False, True, False], [0.444, 0.333, 0.278])
     """
     ring, vertex, offsets = polygons.ring_of_corner, polygons.vertex, polygons.offsets
     polygon_offsets, polygon_of_ring = polygons.polygon_offsets, polygons.polygon_of_ring
@@ -264,6 +277,16 @@ def generalised(
     Notes
     -----
     O(n) a round, O(log n) rounds.
+
+    Examples
+    --------
+    A square of 4 by 4 with a bump, which goes: its two edges share the length of the straight one.
+
+    >>> xy = np.array([[0, 0], [2, -0.1], [4, 0], [4, 4], [0, 4]])
+    >>> length = np.hypot(*(np.roll(xy, -1, axis=0) - xy).T)
+    >>> outline = generalised(xy, xy, np.array([0, 5]), length, np.array([1.0]))
+    >>> outline.corner.tolist(), outline.edge_length.round(9).tolist()
+    ([0, 2, 3, 4], [2.0, 2.0, 4.0, 4.0, 4.0])
     """
     here = _large_corners(plane, offsets, least, None)
     start, step, new_length = _lengths(point, offsets, edge_length, here)
@@ -366,6 +389,16 @@ def bends(outline: Outline, ring: np.ndarray, corner: np.ndarray, length: np.nda
     Notes
     -----
     O(k log n).
+
+    Examples
+    --------
+    The diagonal of an L leaves its outer corner, which is convex, and ends at the inner one.
+
+    >>> xy = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2.0]])
+    >>> length = np.hypot(*(np.roll(xy, -1, axis=0) - xy).T)
+    >>> outline = generalised(xy, xy, np.array([0, 6]), length, np.array([0.0]))
+    >>> bends(outline, np.zeros(6, dtype=int), np.array([[0, 3]]), np.array([2**0.5])).round(6).tolist()
+    [[-90.0, 90.0]]
     """
     where = outline.along[corner]
     rings = ring[corner]
@@ -392,6 +425,14 @@ def edges_of_triangles(triangles: np.ndarray, edges: np.ndarray, n: int) -> tupl
         -1 where there is none.
     across : (t + 1, 3) int
         The edge on each side, -1 where it is none of these; the last row is for triangle -1.
+
+    Examples
+    --------
+    A square in two triangles, with the diagonal between them.
+
+    >>> beside, across = edges_of_triangles(np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 2]]), 4)
+    >>> beside.tolist(), across.tolist()
+    ([[0, 1]], [[-1, -1, 0], [0, -1, -1], [-1, -1, -1]])
     """
     across = np.full((len(triangles) + 1, 3), -1)
     beside = np.full((len(edges), 2), -1)
@@ -448,6 +489,16 @@ def opens(
     Notes
     -----
     O(1) for each diagonal within reach of each one asked, one array call a step for all.
+
+    Examples
+    --------
+    Diagonal 0 of a limb lies between the longer diagonal 1 and diagonal 2. Where diagonal 2 is about as long
+    as 0, the limb begins there; where it is much shorter, the limb tapers.
+
+    >>> middle, beside = np.array([[0.0], [0.4], [-0.4]]), np.array([[0, 1], [0, -1], [1, -1]])
+    >>> across = np.array([[0, 1, -1], [0, 2, -1], [-1, -1, -1]])
+    >>> [opens(np.array([0]), np.array([1, 1.5, x]), middle, beside, across).tolist() for x in (0.9, 0.5)]
+    [[True], [False]]
     """
     longest, shortest = np.zeros((len(asked), 2)), np.full((len(asked), 2), np.inf)
     query = np.repeat(np.arange(len(asked)), 2)
@@ -509,6 +560,20 @@ def one_by_one(
     -----
     For each diagonal a walk over the generalised outline within reach; for each cut one over the
     smaller of its pieces: O(n log n).
+
+    Examples
+    --------
+    An L and two ways to cut it at its inner corner: after the first, nothing is concave for the second.
+
+    >>> from isthmus.core.partition.polygon import one
+    >>> xy = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [0, 1.0]])
+    >>> polygons, (x, y), (x2, y2) = one(xy, [0, 8]), xy.T, np.roll(xy, -1, axis=0).T
+    >>> outline = generalised(xy, xy, polygons.offsets, np.ones(8), np.zeros(1))
+    >>> terms = running((x * y2 - x2 * y) / 2.0, polygons.offsets)
+    >>> ends = np.array([[1, 4], [4, 7]])
+    >>> why = one_by_one(polygons, outline, ends, np.ones(2), xy, terms, np.array([3.0]), np.array([0.1]))
+    >>> why.tolist() == [KEPT, USED]
+    True
     """
     ring = polygons.ring_of_corner
     places = np.union1d(outline.corner, corner.ravel())

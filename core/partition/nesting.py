@@ -78,6 +78,20 @@ def nest(
     Returns
     -------
     Nested
+
+    Examples
+    --------
+    The neck of an hourglass is cut for each tau below 11.4: that is the detour around it.
+
+    >>> from isthmus.core import metric, rings
+    >>> from isthmus.core.partition.features import Chunk, prepare
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> nested = nest(problem, np.array([4.0]))
+    >>> nested.persistence.round(1).tolist(), nested.rank.tolist(), nested.pieces.area.tolist()
+    ([11.4], [1], [60.0, 30.0])
     """
     prepared, features = problem.prepared, problem.chunk.features
     bad = ~((tau >= 1.0) & (tau < NO_END))
@@ -187,6 +201,23 @@ def ranked(
         1 for the most persistent of a feature; 0 for those without.
     order : (c,) int
         Those with a rank, by feature and rank.
+
+    Examples
+    --------
+    The one cut of an hourglass, which is needed for each tau below 11.4.
+
+    >>> from isthmus.core import metric, rings
+    >>> from isthmus.core.partition.features import Chunk, prepare
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> tau = np.array([4.0])
+    >>> selection = select(problem.prepared, tau)
+    >>> found = hierarchy(problem.prepared, selection)
+    >>> persistence, rank, _ = ranked(problem, selection.selected, found, tau, np.array([True]))
+    >>> persistence.round(1).tolist(), rank.tolist()
+    ([11.4], [1])
     """
     owner = problem.prepared.owner[selected]
     feature = problem.owner[owner]
@@ -201,7 +232,27 @@ def ranked(
 
 
 def items_of(problem: Problem, nested: Nested) -> Items:
-    """List the parts of all levels of a chunk, and the polygons that could not be solved."""
+    """List the parts of all levels of a chunk, and the polygons that could not be solved.
+
+    Examples
+    --------
+    The two parts of an hourglass, below a tau of 11.4, and from there on their parent, number 3.
+
+    >>> from isthmus.core import metric, rings
+    >>> from isthmus.core.partition.features import Chunk, prepare
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> items = items_of(problem, nest(problem, np.array([4.0])))
+    >>> for name in ("number", "parent", "level", "from_tau", "area"):
+    ...     print(name, getattr(items, name).round(1).tolist())
+    number [1, 2, 3]
+    parent [3, 3, 0]
+    level [0, 0, 1]
+    from_tau [4.0, 4.0, 11.4]
+    area [60.0, 30.0, 90.0]
+    """
     prepared, made, parts = problem.prepared, nested.levels, nested.parts
     count = len(parts.area)
     of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
@@ -247,6 +298,22 @@ def cuts(problem: Problem, nested: Nested) -> tuple[np.ndarray, np.ndarray, dict
     """Return the feature of each cut, the candidate that it is, and what is told of it, by feature and rank.
 
     The fields are length, detour (infinite where only a cut connects the ends), persistence and rank.
+
+    Examples
+    --------
+    The neck of an hourglass: it is 2 wide, and the way around is 11.4 times as long.
+
+    >>> from isthmus.core import metric, rings
+    >>> from isthmus.core.partition.features import Chunk, prepare
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> feature, edges, fields = cuts(problem, nest(problem, np.array([4.0])))
+    >>> problem.prepared.edge_rows[edges].tolist()
+    [[1, 4]]
+    >>> [(name, values.round(1).tolist()) for name, values in fields.items()]
+    [('length', [2.0]), ('detour', [11.4]), ('persistence', [11.4]), ('rank', [1])]
     """
     prepared, selected = problem.prepared, nested.selection.selected
     which = np.flatnonzero(nested.cuts)
@@ -274,6 +341,22 @@ def shapes(problem: Problem, nested: Nested, items: Items, polygons: Callable[..
     problem, nested, items
     polygons : callable
         ``(which, rows, offsets, ring_offsets)`` to the geometries of the items ``which``.
+
+    Examples
+    --------
+    The two parts of an hourglass, and all of it, as rows of their only rings.
+
+    >>> from isthmus.core import metric, rings
+    >>> from isthmus.core.partition.features import Chunk, prepare
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> chunk = Chunk(["land"], rings.one_polygon(xy, [0, 6]), np.array([0]), [None], metric.planar())
+    >>> no = np.zeros(1)
+    >>> problem = prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    >>> def polygons(which, rows, offsets, ring_offsets):
+    ...     return (rows[lo:hi].tolist() for lo, hi in zip(offsets[:-1], offsets[1:]))
+    >>> nested = nest(problem, np.array([4.0]))
+    >>> list(shapes(problem, nested, items_of(problem, nested), polygons))
+    [[1, 2, 3, 4], [0, 1, 4, 5], [0, 1, 2, 3, 4, 5]]
     """
     chunk, made, parts = problem.chunk, nested.levels, nested.parts
     rings, carved = chunk.rings, nested.selection.carved

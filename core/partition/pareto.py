@@ -7,7 +7,8 @@ Two fronts per edge, weight ascending, value strictly descending:
 
 With that sign both are minimised, and children combine by plain addition: two offers add up to an
 offer, an offer and a demand to a demand (what the sibling's path uses up of the allowance), and
-two demands never meet (Lemma 1 of the paper).
+two demands never meet (Lemma 1 of the paper). So MinWeight needs no integer weights, as it
+does in section 4.4 there (see `min_weight`).
 
 The fronts of all edges of a level stand one after the other in flat arrays. Nothing here mixes edges:
 what becomes of a front is the same, to the last bit, whatever stands beside it.
@@ -127,7 +128,15 @@ class Join:
 
 
 def pack(major: np.ndarray, minor: np.ndarray) -> np.ndarray:
-    """Key that numpy sorts and minimises by (major, minor), exactly: complex is lexicographic."""
+    """Key that numpy sorts and minimises by (major, minor), exactly: complex is lexicographic.
+
+    Examples
+    --------
+    Two points of segment 0, by weight, come before that of segment 1.
+
+    >>> np.argsort(pack(np.array([1, 0, 0]), np.array([1.0, 5.0, 2.0]))).tolist()
+    [2, 1, 0]
+    """
     key = np.empty(len(minor), complex)
     key.real = major
     key.imag = minor
@@ -138,6 +147,14 @@ def pareto(seg: np.ndarray, weight: np.ndarray, value: np.ndarray) -> tuple[np.n
     """Points that no other of the same segment dominates, sorted by (segment, weight).
 
     Segments must ascend. Of equal points the first remains. O(N log N). Returns positions and segments.
+
+    Examples
+    --------
+    Point 1 goes: it weighs more than point 0 of the same segment, and its value is not smaller.
+
+    >>> segment, weight, value = np.array([[0, 1, 5], [0, 2, 6], [0, 3, 2], [1, 2, 6]]).T
+    >>> [x.tolist() for x in pareto(segment, weight, value)]
+    [[0, 2, 3], [0, 0, 1]]
     """
     order = np.argsort(pack(seg, weight), kind="stable")
     val = value[order]
@@ -155,13 +172,31 @@ def pareto(seg: np.ndarray, weight: np.ndarray, value: np.ndarray) -> tuple[np.n
 def sizes(
     front: Front, left: np.ndarray, right: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers of points: offer and demand of the left, offer and demand of the right."""
+    """Numbers of points: offer and demand of the left, offer and demand of the right.
+
+    Examples
+    --------
+    Edge 0 has two offers and a demand, edge 1 has one offer.
+
+    >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
+    >>> [size.tolist() for size in sizes(front, np.array([0]), np.array([1]))]
+    [[2], [1], [1], [0]]
+    """
     size = np.diff(front.ptr)
     return size[2 * left], size[2 * left + 1], size[2 * right], size[2 * right + 1]
 
 
 def pair_count(front: Front, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Number of pairs of points that can be added up, for each left and right edge."""
+    """Number of pairs of points that can be added up, for each left and right edge.
+
+    Examples
+    --------
+    Edge 0 has two offers and a demand; the one offer of edge 1 can be added to each of them.
+
+    >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
+    >>> pair_count(front, np.array([0]), np.array([1])).tolist()
+    [3]
+    """
     offer_l, demand_l, offer_r, demand_r = sizes(front, left, right)
     return offer_l * (offer_r + demand_r) + demand_l * offer_r
 
@@ -172,6 +207,16 @@ def small_pairs(front: Front, left: np.ndarray, right: np.ndarray, items: np.nda
     A row is a point of a left edge with all points of the right one that it can be added to. Rows:
     item and point; pairs: row and right point. Of each item the first pair is that of the cheapest
     points.
+
+    Examples
+    --------
+    Edge 0 has the points 0 and 1 as offers and 2 as a demand, edge 1 point 3 as an offer.
+
+    >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
+    >>> for demand, item, point, row, right in small_pairs(front, *np.array([[0], [1], [0]])):
+    ...     print(demand, [(int(point[k]), int(j)) for k, j in zip(row, right)])
+    False [(0, 3), (1, 3)]
+    True [(2, 3)]
     """
     total = np.cumsum(pair_count(front, left[items], right[items]))
     a = 0
@@ -195,7 +240,17 @@ def small_pairs(front: Front, left: np.ndarray, right: np.ndarray, items: np.nda
 
 
 def blocks(front: Front, left: int, right: int) -> Iterator[tuple[int, slice, slice]]:
-    """The three products of one item: is it a demand, points of the left, points of the right."""
+    """The three products of one item: is it a demand, points of the left, points of the right.
+
+    Examples
+    --------
+    Edge 0 has the points 0 and 1 as offers and 2 as a demand, edge 1 point 3 as an offer.
+
+    >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
+    >>> place = np.arange(4)
+    >>> [(demand, place[x].tolist(), place[y].tolist()) for demand, x, y in blocks(front, 0, 1)]
+    [(0, [0, 1], [3]), (1, [2], [3])]
+    """
     offer_l, demand_l, offer_r, demand_r = (
         slice(front.ptr[s], front.ptr[s + 1]) for s in (2 * left, 2 * left + 1, 2 * right, 2 * right + 1)
     )
@@ -215,7 +270,17 @@ def dense_pairs(
     weight_cap: np.ndarray,
     check: Callable,
 ) -> list[np.ndarray]:
-    """Useful sums of one item with many pairs: is it a demand, point, point, weight, value."""
+    """Useful sums of one item with many pairs: is it a demand, point, point, weight, value.
+
+    Examples
+    --------
+    Edge 0 has the points 0 and 1 as offers and 2 as a demand, edge 1 point 3 as an offer; the base is 1 long.
+
+    >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
+    >>> cap = np.full(2, np.inf)
+    >>> [x.tolist() for x in dense_pairs(front, 0, 1, 1.0, cap, cap, lambda: None)]
+    [[0, 0, 1], [0, 1, 2], [3, 3, 3], [1.0, 2.0, 1.0], [10.0, 7.0, 2.0]]
+    """
     parts = []
     for demand, x, y in blocks(front, left, right):
         check()
@@ -260,7 +325,16 @@ def _undominated(wx, vx, wy, vy):
 def first_points(
     node: np.ndarray, points: np.ndarray, weight: np.ndarray, n: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weight and position of each node's first one of some points (ascending); inf and 0 if none."""
+    """Weight and position of each node's first one of some points (ascending); inf and 0 if none.
+
+    Examples
+    --------
+    Points 0 and 1 belong to node 0, points 2 and 3 to node 2, and node 1 has none.
+
+    >>> best, where = first_points(np.array([0, 0, 2, 2]), np.array([1, 2, 3]), np.array([4, 5, 6, 7.0]), 3)
+    >>> best.tolist(), where.tolist()
+    ([5.0, inf, 6.0], [1, 0, 2])
+    """
     nodes = node[points]
     at = np.flatnonzero(np.diff(nodes, prepend=-1))
     best, where = np.full(n, np.inf), np.zeros(n, np.int64)
@@ -280,6 +354,16 @@ def assemble(
     """Fronts of the points to keep, with SELF behind the offers and full ROOT behind the demands.
 
     `own` and `root` are (for which nodes, weight, value, point of `whole` below it).
+
+    Examples
+    --------
+    An edge 3 long with two offers and a demand; the second offer is dropped, and SELF comes behind the first.
+
+    >>> front = Front(np.array([0, 2, 3]), np.array([0, 1, 0.0]), np.array([5, 4, -3.0]))
+    >>> own = np.array([True]), np.array([1.0]), np.array([3.0]), np.array([0])
+    >>> found = assemble(front, np.array([0, 2]), np.array([0, 0, 1]), front.value, own)
+    >>> found.ptr.tolist(), found.weight.tolist(), found.value.tolist()
+    ([0, 2, 3], [0.0, 1.0, 0.0], [5.0, 3.0, -3.0])
     """
     segments = len(whole.ptr) - 1
     add = np.zeros(segments, np.int64)
@@ -324,6 +408,14 @@ def groups(
     base : (s,) float
         What is added to the slack.
     slack : (points,) float, optional
+
+    Examples
+    --------
+    Five offers make three groups; the demand behind them is a group of its own.
+
+    >>> front = Front(np.array([0, 5, 6]), np.array([0, 1, 2, 3, 4, 0.0]), np.array([8, 6, 4, 2, 0, -1.0]))
+    >>> groups(front, np.array([0]), np.array([3]), np.array([9.0])).tolist()
+    [0, 2, 4, 5]
     """
     first, last = front.ptr[long], front.ptr[long + 1] - 1
     size = last - first + 1
@@ -352,7 +444,17 @@ def groups(
 
 
 def tabulated(rest: Callable, segment: int, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-    """Rest of all sums of vx and vy, rounded down to the lower end of a cell of a table."""
+    """Rest of all sums of vx and vy, rounded down to the lower end of a cell of a table.
+
+    Examples
+    --------
+    Where the rest is ten times the value: exact but for a cell of the table, and never too large.
+
+    >>> def rest(segment, value, rounded=False):
+    ...     return 10.0 * value
+    >>> tabulated(rest, 0, np.array([4.0, 0.0]), np.array([6.0, 1.0])).round().tolist()
+    [[100.0, 50.0], [60.0, 10.0]]
+    """
     value = vx[:, None] + vy
     low = value[-1, -1]  # values descend
     width = value[0, 0] - low

@@ -190,6 +190,17 @@ def one(coords: np.ndarray, offsets: np.ndarray) -> Polygons:
     coords : (k, d) float
     offsets : (r + 1,) int
         Ring i is ``coords[offsets[i]:offsets[i + 1]]``; ring 0 is the shell.
+
+    Examples
+    --------
+    A clockwise square comes out counter-clockwise; what is no polygon is an error.
+
+    >>> one(np.array([[0, 0], [0, 1], [1, 1], [1, 0.0]]), [0, 4]).xy.tolist()
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+    >>> one(np.zeros((4, 2)), [0, 4])
+    Traceback (most recent call last):
+        ...
+    isthmus.core.errors.Unsolvable: a ring has fewer than three distinct vertices
     """
     polygons, (problem,) = from_rings(one_polygon(coords, offsets))
     if problem:
@@ -198,7 +209,16 @@ def one(coords: np.ndarray, offsets: np.ndarray) -> Polygons:
 
 
 def is_valid(shape: np.ndarray) -> np.ndarray:
-    """Whether shapely polygons are valid as far as GEOS can tell: on some it fails by underflow."""
+    """Whether shapely polygons are valid as far as GEOS can tell: on some it fails by underflow.
+
+    Examples
+    --------
+    A square, and the same corners in an order in which two edges cross.
+
+    >>> square, bow = [[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 0], [1, 0], [0, 1], [1, 1]]
+    >>> is_valid(shapely.polygons([square, bow])).tolist()
+    [True, False]
+    """
     try:
         return np.atleast_1d(shapely.is_valid(shape))
     except shapely.errors.GEOSException:
@@ -215,6 +235,16 @@ def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]
     polygons : Polygons
     which : (q,) int
         Ascending.
+
+    Examples
+    --------
+    The second of two triangles.
+
+    >>> xy = np.array([[0, 0], [1, 0], [0, 1], [5, 5], [6, 5], [5, 6.0]])
+    >>> rings = Rings(xy, np.array([0, 3, 6]), np.arange(3))
+    >>> second, vertex = select(from_rings(rings)[0], np.array([1]))
+    >>> second.xy.tolist(), second.number.tolist(), vertex.tolist()
+    ([[5.0, 5.0], [6.0, 5.0], [5.0, 6.0]], [1], [3, 4, 5])
     """
     ring, polygon_offsets = take(polygons.polygon_offsets, which)
     corner, offsets = take(polygons.offsets, ring)
@@ -288,6 +318,15 @@ def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, n
         Without rows.
     vertex : (n',) int
         For each of its vertices the one of the whole polygon, ascending.
+
+    Examples
+    --------
+    A square without its first hole, whose vertices were 4 to 6.
+
+    >>> xy = [[0, 0], [9, 0], [9, 9], [0, 9], [2, 2], [2, 3], [3, 2], [6, 6], [6, 7], [7, 6.0]]
+    >>> rest, vertex = without_rings(one(np.array(xy), [0, 4, 7, 10]), np.array([False, True, False]))
+    >>> len(rest.offsets) - 1, vertex.tolist()
+    (2, [0, 1, 2, 3, 7, 8, 9])
     """
     corner, offsets = take(polygons.offsets, np.flatnonzero(~left_out))
     is_left = np.zeros(len(polygons.xy), dtype=bool)

@@ -110,6 +110,17 @@ def joint_solver(
     -------
     callable
         (count,) tau to a list of Joint.
+
+    Examples
+    --------
+    An hourglass: the detour at its neck is 11.4; for less it takes a cut.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> solve = joint_solver(prepare(one_polygon(xy, [0, 6])), np.array([0]), 1)
+    >>> [(joint.cost, round(joint.dilation, 1)) for tau in (12.0, 4.0) for joint in solve([tau])]
+    [(0.0, 11.4), (1.0, 1.1)]
     """
     own = np.flatnonzero(group >= 0)
 
@@ -143,6 +154,19 @@ def together(searches: list, solve: Callable) -> list:
     -------
     list
         What each search returns.
+
+    Examples
+    --------
+    Two hourglasses, one of them with a wider neck: the smallest largest detour of each without a cut.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import Rings
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> wider = np.array([[0, 0], [5, 3], [15, 0], [15, 10], [5, 7], [0, 10.0]])
+    >>> both = prepare(Rings(np.concatenate((xy, wider)), np.array([0, 6, 12]), np.arange(3)))
+    >>> found = together([smallest_dilation(0.0) for _ in range(2)], joint_solver(both, np.arange(2), 2))
+    >>> [round(best.dilation, 1) for best, proven in found]
+    [11.4, 5.4]
     """
     results, tau = [None] * len(searches), [next(search) for search in searches]
     active = list(range(len(searches)))
@@ -161,6 +185,8 @@ def together(searches: list, solve: Callable) -> list:
 def smallest_dilation(budget: float) -> Generator[float, Joint, tuple[Joint | OverBudget, bool]]:
     """Search for the answer of the dual problem: the smallest dilation within a budget.
 
+    Section 2 of the paper names it, and a binary search on tau for it; this search ends at the exact answer.
+
     Parameters
     ----------
     budget : float
@@ -178,6 +204,18 @@ def smallest_dilation(budget: float) -> Generator[float, Joint, tuple[Joint | Ov
     Notes
     -----
     Measured: 8 to 30 solutions.
+
+    Examples
+    --------
+    An hourglass: with one cut no detour is larger than 1.1.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> solve = joint_solver(prepare(one_polygon(xy, [0, 6])), np.array([0]), 1)
+    >>> [(best, proven)] = together([smallest_dilation(1.0)], solve)
+    >>> best.cost, round(best.dilation, 1), proven
+    (1.0, 1.1, True)
     """
     best = yield math.inf
     if _exceeds(best.cost, budget):
@@ -189,6 +227,8 @@ def smallest_dilation(budget: float) -> Generator[float, Joint, tuple[Joint | Ov
 def trade_off(low: float, high: float, most: int | None = None) -> Generator[float, Joint, TradeOff]:
     """Follow the step function cost(tau) from a large tau down to a small one.
 
+    It falls since any solution for a tau is one for each larger tau (section 2 of the paper).
+
     Parameters
     ----------
     low, high : float
@@ -199,6 +239,18 @@ def trade_off(low: float, high: float, most: int | None = None) -> Generator[flo
     Returns
     -------
     TradeOff
+
+    Examples
+    --------
+    An hourglass: one cut at its neck makes the largest detour ten times smaller.
+
+    >>> from isthmus.core.partition.solve import prepare
+    >>> from isthmus.core.rings import one_polygon
+    >>> xy = np.array([[0, 0], [5, 4], [15, 0], [15, 10], [5, 6], [0, 10.0]])
+    >>> solve = joint_solver(prepare(one_polygon(xy, [0, 6])), np.array([0]), 1)
+    >>> curve = together([trade_off(2.0, math.inf)], solve)[0]
+    >>> [(joint.cost, round(joint.dilation, 1)) for joint in curve.solutions], curve.complete
+    ([(0.0, 11.4), (1.0, 1.1)], True)
     """
     solutions, after = [], (yield high)
     while after is not None:
@@ -266,6 +318,13 @@ def paying_steps(tau: list, cost: list, most: int = 5) -> list:
     The fall is measured on a logarithmic scale: halving a detour of 40 is worth as much as halving
     one of 4. Only steps on the lower convex hull of the curve count, since any other is a bad buy:
     some mixture of its neighbours would be cheaper.
+
+    Examples
+    --------
+    The first cut brings the detour from 9 to 3, the second hardly less than that, the third more again.
+
+    >>> paying_steps([9.0, 3.0, 2.9, 1.2], [0, 1, 2, 3])
+    [1, 3]
     """
     hull = []
     for k in range(len(tau)):
