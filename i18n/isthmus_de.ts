@@ -1960,6 +1960,10 @@
    <translation>{} muss eine Zahl ab 0 sein und ist {:g}</translation>
   </message>
   <message>
+   <source>{} must be a number from 0 to {:g}, and is {:g}</source>
+   <translation>{} muss eine Zahl von 0 bis {:g} sein und ist {:g}</translation>
+  </message>
+  <message>
    <source>{} must be a number of at least {:g}, and is {:g}.</source>
    <translation>{} muss eine Zahl ab {:g} sein und ist {:g}.</translation>
   </message>

@@ -258,7 +258,7 @@ def prepare(
     [True]
     >>> problem = prepare(chunk, natural=False, smallest_part=wrong, min_length=no, min_hole=no)
     >>> print(problem.verdict[0])
-    SMALLEST_PART must be a number from 0 on, and is -1
+    SMALLEST_PART must be a number from 0 to 100, and is -1
     """
     owner, count = chunk.owner, len(chunk.features)
     area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
@@ -272,7 +272,11 @@ def prepare(
     ):
         bad = ~((values >= 0.0) & (values <= most))
         for f in np.flatnonzero(bad).tolist():
-            reasons[f] = Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
+            reasons[f] = (
+                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
+                if most < math.inf
+                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
+            )
         floors.append(np.where(bad, 0.0, values)[owner])
     near = None
     if lines is not None:

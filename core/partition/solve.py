@@ -779,7 +779,8 @@ def _mask(indices, size):
 
 def _sums(owner, values, which, count):
     """Sum of the values of some edges, for each polygon."""
-    return np.bincount(owner[which], weights=values[which], minlength=count)
+    # of none, numpy before 2 counts in integers
+    return np.bincount(owner[which], weights=values[which], minlength=count).astype(float)
 
 
 def _components(polygons, measure, min_hole):
