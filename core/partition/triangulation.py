@@ -203,14 +203,13 @@ def _bent(polygons, conformal):
     same = (plane[order][1:] == plane[order][:-1]).all(axis=1)
     same &= polygon[order][1:] == polygon[order][:-1]
     survives[polygon[order][1:][same]] = False
-    # Triangle may hang on holes that overlap the shell; on a single ring only where it crosses itself
-    # within a few roundings: not asked, for it would take a fifth of Triangle's time
-    with_holes = np.flatnonzero(survives & (np.diff(polygons.polygon_offsets) > 1))
-    if len(with_holes):
-        ring, polygon_offsets = take(polygons.polygon_offsets, with_holes)
+    # a vertex that all but touches an edge may be beyond it in the plane: Triangle may never end there
+    which = np.flatnonzero(survives)
+    if len(which):
+        ring, polygon_offsets = take(polygons.polygon_offsets, which)
         corner, offsets = take(polygons.offsets, ring)
         valid = is_valid(shapes(plane[polygons.vertex[corner]], offsets, polygon_offsets))
-        survives[with_holes[~valid]] = False
+        survives[which[~valid]] = False
     return plane, survives
 
 

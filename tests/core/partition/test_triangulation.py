@@ -10,7 +10,7 @@ from isthmus.core import metric
 from isthmus.core.partition import engines
 from isthmus.core.errors import MissingEngine, Unsolvable
 from isthmus.core.partition.polygon import one as from_rings
-from isthmus.core.partition.triangulation import engine_name, missing_packages, triangulate
+from isthmus.core.partition.triangulation import _bent, engine_name, missing_packages, triangulate
 
 from .. import shapes
 from ..shapes import ENGINES, INSTALLED, needs
@@ -118,6 +118,17 @@ def test_conformal_plane_or_own_plane(name, engine):
     s = LONLAT[name]
     edges = diagonals(from_rings(*s), metric.ellipsoidal().conformal, engine)
     check_triangulation(s, edges)
+
+
+@pytest.mark.parametrize("gap, crosses", [(0.1, False), (1e-3, True), (1e-9, True)])
+def test_a_ring_that_crosses_itself_in_the_conformal_plane(gap, crosses):
+    """Its long edge is straight in degrees and in the plane: not the same line, with a corner between them."""
+    ring = [(0, 50), (2, 52), (1.2, 52), (1 - gap, 51 + gap), (0, 50.6)]
+    polygon = from_rings(*shapes.shape(ring))
+    conformal = metric.ellipsoidal().conformal
+    plane, survives = _bent(polygon, conformal)
+    assert shapely.is_valid(shapely.Polygon(plane[polygon.vertex])) == survives[0] == (not crosses)
+    assert len(diagonals(polygon, conformal)) == 2
 
 
 def test_delaunay_of_the_conformal_plane():
