@@ -84,22 +84,7 @@ def test_with_holes_persistences_are_upper_bounds_and_the_tree_stays():
 
 
 def test_natural_candidates_have_levels_too():
-    dumbbell = shapes.shape(
-        [
-            (0, 0),
-            (10, 0),
-            (10, 4),
-            (14, 4),
-            (14, 0),
-            (24, 0),
-            (24, 10),
-            (14, 10),
-            (14, 6),
-            (10, 6),
-            (10, 10),
-            (0, 10),
-        ]
-    )
+    dumbbell = shapes.shape(shapes.HALLS)
     prepared = natural_parts.prepare(one_polygon(dumbbell.coords, dumbbell.offsets), 1.0)[0]
     found = hierarchy(prepared, select(prepared, 1.0))
     assert len(found.cut) == 2

@@ -33,22 +33,7 @@ def pair(a, b):
 
 
 def test_dumbbell_is_cut_at_both_ends_of_its_bar():
-    shape = shapes.shape(
-        [
-            (0, 0),
-            (10, 0),
-            (10, 4),
-            (14, 4),
-            (14, 0),
-            (24, 0),
-            (24, 10),
-            (14, 10),
-            (14, 6),
-            (10, 6),
-            (10, 10),
-            (0, 10),
-        ]
-    )
+    shape = shapes.shape(shapes.HALLS)
     assert cuts(shape) == {pair((10, 4), (10, 6)), pair((14, 4), (14, 6))}
 
 
@@ -325,22 +310,7 @@ def test_an_islet_does_not_take_a_neck_away():
 
 def test_degrees_are_measured_on_the_ellipsoid():
     # the same dumbbell in metres near the pole and, by its equal-area coordinates, in degrees
-    body = np.array(
-        [
-            (0, 0),
-            (10, 0),
-            (10, 4),
-            (14, 4),
-            (14, 0),
-            (24, 0),
-            (24, 10),
-            (14, 10),
-            (14, 6),
-            (10, 6),
-            (10, 10),
-            (0, 10.0),
-        ]
-    )
+    body = np.array(shapes.HALLS, dtype=float)
     for north in (0.0, 60.0, 75.0):
         stretch = 1.0 / np.cos(np.radians(north + 0.05))
         degrees = body * [0.01 * stretch, 0.01] + [30.0, north]
