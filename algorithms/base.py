@@ -216,6 +216,11 @@ def _without_frames(process):
     return processAlgorithm
 
 
+def amount(value):
+    """Return a size or a cost as text: 1,234,567 or 12.3457."""
+    return f"{value:,.0f}" if 1000.0 <= abs(value) < 1e15 else f"{value:.6g}"
+
+
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
     return f"{number:,} {tr(what if number == 1 else f'{what}s')}"

@@ -310,8 +310,10 @@ def aggregate(
         arranged, texts, ["it has no geometry" if one is None else "it is empty" for one in origin.geometries]
     )
     _kinds.tell(origin, left, "are left as they are")
-    invalid = set(core.invalid(arranged).tolist()) - set(left)
+    wrong, overlaps = core.flaws(arranged)
+    invalid = set(wrong.tolist()) - set(left)
     _kinds.tell(origin, dict.fromkeys(sorted(invalid), "not valid"), "may have a wrong size or neighbours")
+    _tell_overlaps(origin, overlaps)
     names = sorted({one for one in texts if one is not None})
     theta, _ = class_thresholds(
         names, threshold, (thresholds or {}).items(), [text(one) or "" for one in excluded]
@@ -477,20 +479,24 @@ def _sources(origin: Source, area_id: Any) -> tuple[list, str | None]:
     return [k if one is None else one for k, one in enumerate(ids)], size_column
 
 
+def _tell_overlaps(origin: Source, overlaps: np.ndarray, most: int = _kinds.NAMED) -> None:
+    """Warn of pairs of areas that overlap."""
+    if len(overlaps):
+        some = ", ".join(f"{a} and {b}" for a, b in origin.ids[overlaps[:most]].tolist())
+        _kinds.warn(f"{len(overlaps)} pairs of areas overlap: {some}{' ...' * (len(overlaps) > most)}.")
+
+
 def _tell_faults(origin: Source, areas: core.Areas, of: np.ndarray, most: int = _kinds.NAMED) -> None:
     """Warn of overlaps and gaps."""
     wrong = faults(areas.coverage)
     overlaps = np.unique(np.sort(of[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
     overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
-    more = " ..."
-    if len(overlaps):
-        some = ", ".join(f"{a} and {b}" for a, b in origin.ids[overlaps[:most]].tolist())
-        _kinds.warn(f"{len(overlaps)} pairs of areas overlap: {some}{more * (len(overlaps) > most)}.")
+    _tell_overlaps(origin, overlaps)
     if len(wrong.gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in wrong.gaps[:most].tolist())
         _kinds.warn(
             f"{len(wrong.gaps)} gaps inside the map without an area, at {some}"
-            f"{more * (len(wrong.gaps) > most)}. Areas on both sides of a gap are no neighbours there."
+            f"{' ...' * (len(wrong.gaps) > most)}. Areas on both sides of a gap are no neighbours there."
         )
 
 

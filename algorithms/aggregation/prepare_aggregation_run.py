@@ -114,6 +114,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
     rings = joined_rings([own for _, _, own, _ in cut])
     is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
     found, rings, grown = arrange_pieces(rings, is_new, settings.measure, layer.metres_of(crs))
+    layer.tell_scale(feedback, crs, found.coverage.xy, context)
     geometries = wkb.polygon_geometries(
         rings.coords,
         np.arange(len(rings.coords)),
@@ -166,16 +167,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
 
 def _report(feedback, kept, overlaps, gaps, classless, most=10):
     """Tell what is wrong with the coverage."""
-    if len(overlaps):
-        some = ", ".join(
-            tr("{} and {}").format(kept[a].id(), kept[b].id()) for a, b in overlaps[:most].tolist()
-        )
-        feedback.pushWarning(
-            tr(
-                "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part "
-                "twice."
-            ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most))
-        )
+    layer.tell_overlaps(feedback, kept, overlaps)
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
         feedback.pushWarning(

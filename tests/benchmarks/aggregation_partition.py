@@ -1,6 +1,6 @@
 """The paper's experiment: the same annealing, the same steps, with and without partition.
 
-    python tests/benchmarks/aggregation_partition.py [--samples 9] [--seeds 2] [--first 1] [--steps 1000]
+    python tests/benchmarks/aggregation_partition.py [--samples 9] [--skip 0] [--seeds 2] [--first 1] [--steps 1000]
         [--tau 2.5] [--natural 0.01] [--factors 1 0.25] [--whole 4000000] [--out build/aggregation]
 
 Writes partition.md. Samples are compact groups of about 325 areas; each run has ``steps`` a piece, the
@@ -64,6 +64,7 @@ def compare(plain, split, owner, seed, steps):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--samples", type=int, default=9)
+    parser.add_argument("--skip", type=int, default=0, help="samples that were run before")
     parser.add_argument("--areas", type=int, default=325)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--first", type=int, default=1, help="the first seed")
@@ -80,6 +81,7 @@ def main():
     groups = [
         (f"sample {k + 1}", group, None)
         for k, group in enumerate(windows(everything, options.samples, options.areas))
+        if k >= options.skip
     ]
     if options.whole:
         groups.append(("whole map", np.arange(len(shapes)), options.whole))
