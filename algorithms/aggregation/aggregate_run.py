@@ -479,6 +479,8 @@ class _Run:
 
     def _tell_beside(self, wanted, found):
         """Say where areas are too small because a gap or an overlap keeps them from their neighbours."""
+        if not wanted.any():
+            return
         label = components(self.problem)
         label[list(self.reason)] = -1
         pairs = beside(self.areas, label, wanted)
