@@ -263,21 +263,7 @@ def prepare(
     owner, count = chunk.owner, len(chunk.features)
     area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
     feature_area = np.bincount(owner, weights=area, minlength=count)
-    reasons: dict[int, str] = {}
-    floors = []
-    for name, values, most in (
-        ("SMALLEST_PART", smallest_part, 100.0),
-        ("MIN_LENGTH", min_length, math.inf),
-        ("MIN_HOLE", min_hole, math.inf),
-    ):
-        bad = ~((values >= 0.0) & (values <= most))
-        for f in np.flatnonzero(bad).tolist():
-            reasons[f] = (
-                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
-                if most < math.inf
-                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
-            )
-        floors.append(np.where(bad, 0.0, values)[owner])
+    floors, reasons = _floors(smallest_part, min_length, min_hole)
     near = None
     if lines is not None:
         bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()
@@ -285,9 +271,9 @@ def prepare(
     prepared = solve.prepare(
         chunk.rings,
         natural=natural,
-        smallest=floors[0] / 100.0 * feature_area[owner],
-        min_length=floors[1],
-        min_hole=floors[2],
+        smallest=floors[0][owner] / 100.0 * feature_area[owner],
+        min_length=floors[1][owner],
+        min_hole=floors[2][owner],
         lines=None if lines is None or near is None else [lines.ends[own] for own in near],
         new_vertices=new_vertices,
         measure=chunk.measure,
@@ -313,6 +299,25 @@ def prepare(
     for feature, reason in reasons.items():
         problem.refuse(feature, reason)
     return problem
+
+
+def _floors(smallest_part, min_length, min_hole):
+    """What is too small, for each feature, and {feature: why its number is none}."""
+    reasons, floors = {}, []
+    for name, values, most in (
+        ("SMALLEST_PART", smallest_part, 100.0),
+        ("MIN_LENGTH", min_length, math.inf),
+        ("MIN_HOLE", min_hole, math.inf),
+    ):
+        bad = ~((values >= 0.0) & (values <= most))
+        for f in np.flatnonzero(bad).tolist():
+            reasons[f] = (
+                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
+                if most < math.inf
+                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
+            )
+        floors.append(np.where(bad, 0.0, values))
+    return floors, reasons
 
 
 def for_tau(
