@@ -91,6 +91,7 @@ def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
 def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
     """The tools speak German where QGIS does; names, values and defaults stay."""
     from isthmus.algorithms import words
+    from isthmus.algorithms.base import counted
     from qgis.PyQt.QtCore import QCoreApplication
 
     translate = tool("translate")
@@ -130,11 +131,14 @@ def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
         assert any("tau muss eine Zahl ab 1 sein und ist 0.5" in text for text in feedback.warnings)
         status = {feature["status"] for feature in result["OUTPUT"].getFeatures()}
         assert "tau must be a number of at least 1, and is 0.5" in status
+        # a comma stands before decimals there
+        assert counted(1234567, "part") == "1\u00a0234\u00a0567 Teile" and counted(1, "cut") == "1 Schnitt"
         ok, problem = german.checkParameterValues({"MIN_LENGTH": "x"}, QgsProcessingContext())
         assert not ok and problem == "MIN_LENGTH muss eine Zahl sein und ist 'x'."
     finally:
         QCoreApplication.removeTranslator(translator)
     assert english.create().displayName() == "Partition polygons at bottlenecks"
+    assert counted(1234567, "part") == "1,234,567 parts"
 
 
 def test_texts_that_nobody_would_translate_are_found(tool):
