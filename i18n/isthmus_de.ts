@@ -296,6 +296,10 @@
    <translation>Eine Tabelle mit den Feldern from, to und distance. Steht nur eine Richtung darin, gilt sie für beide.</translation>
   </message>
   <message>
+   <source>Advanced.</source>
+   <translation>Erweitert.</translation>
+  </message>
+  <message>
    <source>Aggregate areas</source>
    <translation>Flächen zusammenfassen</translation>
   </message>
@@ -584,6 +588,10 @@
    <translation>Feld mit der Fläche eines Stücks</translation>
   </message>
   <message>
+   <source>Fields of {}: {}.</source>
+   <translation>Felder von {}: {}.</translation>
+  </message>
+  <message>
    <source>Find the cuts</source>
    <translation>Schnitte suchen</translation>
   </message>
@@ -653,11 +661,11 @@
   </message>
   <message>
    <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more.</source>
-   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr.</translation>
+   <translation>Wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle (tau); mindestens 1. Kleinere Werte schneiden mehr.</translation>
   </message>
   <message>
    <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
-   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+   <translation>Wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
    <source>How much wider and higher the frame may become, to both sides. It grows by less where less is enough: a region that takes the share f of the width lets the map grow to scale times f to the power 2/7. 0 keeps the extent. Not used where the frame is switched off.</source>
@@ -952,12 +960,20 @@
    <translation>Über der Hälfte der Mindestgröße: {}; davon haben {} die Klasse verloren{}{}.</translation>
   </message>
   <message>
+   <source>On the command line</source>
+   <translation>Auf der Kommandozeile</translation>
+  </message>
+  <message>
    <source>On: the map stays inside the extent that it has, but for the growth below, and reaches to its sides. Off: it grows as it likes, the region stays where it is, and the outermost points keep their scale.</source>
    <translation>An: Die Karte bleibt in ihrer Ausdehnung, bis auf das Wachstum unten, und reicht bis an deren Ränder. Aus: Sie wächst frei, die Region bleibt an ihrem Ort, und die äußersten Punkte behalten ihren Maßstab.</translation>
   </message>
   <message>
    <source>One or more polygons around what is to become larger. A rough outline will do: what counts are the points of the map inside.</source>
    <translation>Ein oder mehrere Polygone um das, was größer werden soll. Ein grober Umriss genügt: Es zählen die Punkte der Karte darin.</translation>
+  </message>
+  <message>
+   <source>One page for each tool, written by `./run docs` from the tool itself.</source>
+   <translation>Eine Seite je Werkzeug, von `./run docs` aus dem Werkzeug selbst geschrieben.</translation>
   </message>
   <message>
    <source>Only the level with so many parts</source>
@@ -1020,6 +1036,10 @@
    <translation>Lese die Flächen</translation>
   </message>
   <message>
+   <source>Reference</source>
+   <translation>Referenz</translation>
+  </message>
+  <message>
    <source>Region to enlarge</source>
    <translation>Zu vergrößernde Region</translation>
   </message>
@@ -1050,6 +1070,10 @@
   <message>
    <source>Results</source>
    <translation>Ergebnisse</translation>
+  </message>
+  <message>
+   <source>Returned as well:</source>
+   <translation>Außerdem liefert das Werkzeug:</translation>
   </message>
   <message>
    <source>Rivers, towns, labels: deformed as the map around them.</source>
@@ -1217,7 +1241,7 @@
   </message>
   <message>
    <source>The largest detour in the finest level: how many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
-   <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+   <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
    <source>The largest number of cuts (MinSize), total length (MinLength) or total weight (MinWeight) for each feature; length in the units of the layer, or in metres if its coordinates are degrees. A field or expression can set it for each feature.</source>
@@ -1416,6 +1440,10 @@
    <translation>Ihre eigenen relevanten Kanten, etwa die Schnitte des Werkzeugs zur Zerlegung: Linien zwischen Punkten der Karte. Gibt es keine, findet das Werkzeug sie nach der Regel unten.</translation>
   </message>
   <message>
+   <source>a field or an expression, too</source>
+   <translation>auch ein Feld oder Ausdruck</translation>
+  </message>
+  <message>
    <source>a ring has fewer than three distinct vertices</source>
    <translation>ein Ring hat weniger als drei verschiedene Stützpunkte</translation>
   </message>
@@ -1426,6 +1454,10 @@
   <message>
    <source>after</source>
    <translation>nachher</translation>
+  </message>
+  <message>
+   <source>all of the input</source>
+   <translation>alle der Eingabe</translation>
   </message>
   <message>
    <source>all tools need it</source>
@@ -1452,6 +1484,14 @@
    <translation>Flächen</translation>
   </message>
   <message>
+   <source>at least {:g}</source>
+   <translation>mindestens {:g}</translation>
+  </message>
+  <message>
+   <source>at most {:g}</source>
+   <translation>höchstens {:g}</translation>
+  </message>
+  <message>
    <source>before</source>
    <translation>vorher</translation>
   </message>
@@ -1462,6 +1502,10 @@
   <message>
    <source>centre distance</source>
    <translation>Entfernung vom Zentrum</translation>
+  </message>
+  <message>
+   <source>choice</source>
+   <translation>Auswahl</translation>
   </message>
   <message>
    <source>class</source>
@@ -1486,6 +1530,10 @@
   <message>
    <source>cuts</source>
    <translation>Schnitte</translation>
+  </message>
+  <message>
+   <source>default</source>
+   <translation>Vorgabe</translation>
   </message>
   <message>
    <source>diagonal</source>
@@ -1520,6 +1568,10 @@
    <translation>ausgeschlossene Klasse</translation>
   </message>
   <message>
+   <source>expression</source>
+   <translation>Ausdruck</translation>
+  </message>
+  <message>
    <source>face {} between the lines</source>
    <translation>Masche {} zwischen den Linien</translation>
   </message>
@@ -1538,6 +1590,10 @@
   <message>
    <source>features</source>
    <translation>Objekte</translation>
+  </message>
+  <message>
+   <source>file to write</source>
+   <translation>Datei, die geschrieben wird</translation>
   </message>
   <message>
    <source>gap</source>
@@ -1570,6 +1626,14 @@
   <message>
    <source>in the OSGeo4W Shell</source>
    <translation>in der OSGeo4W-Shell</translation>
+  </message>
+  <message>
+   <source>in the dialog</source>
+   <translation>im Dialog</translation>
+  </message>
+  <message>
+   <source>in the group {}</source>
+   <translation>in der Gruppe {}</translation>
   </message>
   <message>
    <source>independent part</source>
@@ -1644,6 +1708,18 @@
    <translation>größter Teil</translation>
   </message>
   <message>
+   <source>layer</source>
+   <translation>Layer</translation>
+  </message>
+  <message>
+   <source>layer to write</source>
+   <translation>Layer, der geschrieben wird</translation>
+  </message>
+  <message>
+   <source>layers</source>
+   <translation>Layer</translation>
+  </message>
+  <message>
    <source>length of the cuts</source>
    <translation>Länge der Schnitte</translation>
   </message>
@@ -1672,6 +1748,18 @@
    <translation>sind die meisten ihrer Linien nicht länger als ein Punkt</translation>
   </message>
   <message>
+   <source>name</source>
+   <translation>Name</translation>
+  </message>
+  <message>
+   <source>name of a field</source>
+   <translation>Name eines Feldes</translation>
+  </message>
+  <message>
+   <source>none (optional)</source>
+   <translation>keine (optional)</translation>
+  </message>
+  <message>
    <source>not contiguous</source>
    <translation>nicht zusammenhängend</translation>
   </message>
@@ -1680,8 +1768,24 @@
    <translation>nicht für kommerzielle Nutzung</translation>
   </message>
   <message>
+   <source>number</source>
+   <translation>Zahl</translation>
+  </message>
+  <message>
    <source>number of cuts</source>
    <translation>Anzahl der Schnitte</translation>
+  </message>
+  <message>
+   <source>off by default</source>
+   <translation>nur auf Wunsch</translation>
+  </message>
+  <message>
+   <source>optional</source>
+   <translation>optional</translation>
+  </message>
+  <message>
+   <source>or</source>
+   <translation>oder</translation>
   </message>
   <message>
    <source>pair</source>
@@ -1768,6 +1872,10 @@
    <translation>tau: größter erlaubter Umweg</translation>
   </message>
   <message>
+   <source>text</source>
+   <translation>Text</translation>
+  </message>
+  <message>
    <source>the Python package shapely is missing</source>
    <translation>das Python-Paket shapely fehlt</translation>
   </message>
@@ -1782,6 +1890,10 @@
   <message>
    <source>the candidate diagonals do not connect {} of {} holes to the rest</source>
    <translation>die möglichen Schnitte verbinden {} von {} Löchern nicht mit dem Rest</translation>
+  </message>
+  <message>
+   <source>the class field</source>
+   <translation>das Klassenfeld</translation>
   </message>
   <message>
    <source>the coordinates are too large: they reach from {} to {}</source>
@@ -1868,6 +1980,10 @@
    <translation>zu klein</translation>
   </message>
   <message>
+   <source>tool</source>
+   <translation>Werkzeug</translation>
+  </message>
+  <message>
    <source>total</source>
    <translation>gesamt</translation>
   </message>
@@ -1880,8 +1996,24 @@
    <translation>Triangulation und Fokuskarten</translation>
   </message>
   <message>
+   <source>true or false</source>
+   <translation>true oder false</translation>
+  </message>
+  <message>
    <source>weight</source>
    <translation>Gewicht</translation>
+  </message>
+  <message>
+   <source>what</source>
+   <translation>was</translation>
+  </message>
+  <message>
+   <source>whole</source>
+   <translation>ganzzahlig</translation>
+  </message>
+  <message>
+   <source>whole number</source>
+   <translation>ganze Zahl</translation>
   </message>
   <message>
    <source>{lists}</source>

@@ -77,6 +77,24 @@ def test_help_opens_the_page_of_the_tool(provider):
         assert page.stem == tool.name() and tool.displayName() in page.read_text(encoding="utf-8")
 
 
+def test_help_is_german_in_a_german_qgis(provider, monkeypatch):
+    from isthmus.algorithms import words
+
+    class Locale:
+        name = "de_CH"
+
+        @classmethod
+        def locale(cls):
+            return cls.name
+
+    monkeypatch.setattr(words, "QgsApplication", Locale)
+    for name, title in (("README", "# Referenz\n"), ("partition", "# Polygone an Engstellen zerlegen\n")):
+        german = Path(QUrl(words.help_url(name)).toLocalFile())
+        assert german.parent.name == "de" and german.read_text(encoding="utf-8").startswith(title)
+    Locale.name = "fr"  # there is none
+    assert "de" not in Path(QUrl(words.help_url()).toLocalFile()).parts[-2:]
+
+
 def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
     from isthmus.plugin import IsthmusPlugin
 
