@@ -216,6 +216,11 @@ def _without_frames(process):
     return processAlgorithm
 
 
+def grouped(number, form=","):
+    """Return a number with its digits in groups of three."""
+    return format(number, form).replace(",", tr(","))  # elsewhere a comma stands before decimals
+
+
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
-    return f"{number:,} {tr(what if number == 1 else f'{what}s')}"
+    return f"{grouped(number)} {tr(what if number == 1 else f'{what}s')}"

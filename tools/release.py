@@ -119,7 +119,7 @@ def _inline(text):
             continue
         piece = re.sub(r"\*\*([^*]+)\*\*", r"<b>\1</b>", piece)
         piece = re.sub(r"\*([^*]+)\*", r"<i>\1</i>", piece)
-        pieces[k] = re.sub(r"\[([^]]*)\]\((\w+)\.md\)", r'<a href="\2.html">\1</a>', piece)
+        pieces[k] = re.sub(r"\[([^]]*)\]\(([\w./]+)\.md\)", r'<a href="\2.html">\1</a>', piece)
     return "".join(pieces)
 
 
@@ -132,10 +132,12 @@ def make(path):
             if info.filename != "isthmus/metadata.txt":
                 new.writestr(info, old.read(info))
         made = {"metadata.txt": data}
-        names = git("ls-tree", "--name-only", "HEAD", "docs/reference/", "i18n/").decode().splitlines()
+        names = git("ls-tree", "-r", "--name-only", "HEAD", "docs/reference/", "i18n/").decode().splitlines()
         for name in map(Path, names):
             if name.suffix == ".md":
-                made[f"help/{name.stem}.html"] = html_page(show(name.as_posix()))
+                made[f"help/{name.relative_to('docs/reference').with_suffix('.html').as_posix()}"] = (
+                    html_page(show(name.as_posix()))
+                )
             elif name.suffix == ".ts":
                 made[f"i18n/{name.stem}.qm"] = translate.compiled(translate.read(show(name.as_posix())))
         for name, content in made.items():

@@ -11,7 +11,7 @@ from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import costs, cuts, pieces, without_vertex
 from ...core.partition.solve import finish
 from ...core.progress import stretch
-from ..base import counted
+from ..base import counted, grouped
 from ..layers import wkb
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
@@ -113,10 +113,10 @@ class Told:
         if not (self.holes or below or any(by_place)):
             return f"{small} {tr('If these are too many, set PLACES to Natural or raise SMALLEST_PART.')}"
         aside = tr(
-            "Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {:,} where the "
+            "Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {} where the "
             "outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
             "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-        ).format(counted(self.holes, "hole"), counted(below, "diagonal"), sum(by_place))
+        ).format(counted(self.holes, "hole"), counted(below, "diagonal"), grouped(sum(by_place)))
         return f"{small} {aside}"
 
 

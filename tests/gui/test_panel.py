@@ -231,6 +231,39 @@ def test_cancel_and_another_layer(panel, wait, rough):
     assert panel.layer_box.currentLayer() is None and not panel.find_button.isEnabled()
 
 
+def test_layers_come_and_go(panel, wait):
+    """The box of layers says when others come or go, and says nothing of the layer itself after that."""
+    other, another, layer = polygons([ROOMS]), polygons([ROOMS]), polygons([HOLE])
+    panel.layer_box.setLayer(layer)
+    solve(panel, wait)
+    kept = panel.preview
+    QgsProject.instance().removeMapLayer(other)
+    assert panel.layer_box.currentLayer() is layer and panel.preview is kept
+    panel.write()
+    wait(lambda: panel.writing is None)
+    assert panel.preview is kept
+    QgsProject.instance().removeMapLayer(layer)
+    assert panel.preview is None and panel.band.size() == 0 and not panel.write_button.isEnabled()
+    panel.layer_box.setLayer(another)
+    solve(panel, wait)
+
+
+def test_what_the_panel_says(panel, wait, monkeypatch):
+    """One cut is no cuts, and a reason of the core is in the user's language."""
+    from isthmus.gui import panel as module
+
+    monkeypatch.setattr(module, "spoken", lambda sentence: f"<{sentence.template}>")
+    polygons([ROOMS, "POLYGON((0 0,9 9,9 0,0 9,0 0))"])
+    solve(panel, wait)
+    panel.by_parts.setChecked(True)
+    panel.slider.setValue(2)
+    counts, reason = panel.text.text().splitlines()
+    assert counts == "2 parts of each feature: 3 parts, 1 cut"
+    assert reason == "Not everything can be cut: <invalid geometry: {}>"
+    panel.slider.setValue(1)
+    assert panel.text.text().startswith("1 part of each feature: 2 parts, 0 cuts")
+
+
 def test_the_map_may_have_another_crs(panel, iface, wait):
     iface.canvas.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
     polygons([ROOMS])
