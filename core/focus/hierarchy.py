@@ -153,7 +153,7 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
     both = both[degree[both[:, 0]] <= DEGREE]
     u, v = both.T
     count = degree[u]
-    begin = np.flatnonzero(np.append(True, u[1:] != u[:-1]))
+    begin = np.flatnonzero(np.append(True, u[1:] != u[:-1])[: len(u)])
     begin = np.repeat(begin, count[begin])
     # beside each way u-v, the other edges u-x
     several = np.flatnonzero(count > 1)
