@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from qgis.core import (
+    NULL,
     QgsProcessingAlgorithm,
     QgsProcessingException,
     QgsProcessingOutputNumber,
@@ -80,10 +81,14 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def with_names(self, parameters):
         """Return parameters in which a choice has its name, though its number was given.
 
-        QGIS takes the numbers of other tools' choices, but not of those that have names.
+        QGIS takes the numbers of other tools' choices, but not of those that have names. Of an optional
+        number that is NULL or no text it would make 0, not the default.
         """
         named = dict(parameters)
         for definition in self.parameterDefinitions():
+            if isinstance(definition, QgsProcessingParameterNumber) and definition.flags() & OPTIONAL:
+                if named.get(definition.name()) in ("", NULL):
+                    named[definition.name()] = None
             if isinstance(definition, QgsProcessingParameterEnum) and definition.name() in named:
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
         return named

@@ -12,7 +12,7 @@ from ...core.aggregation import tables
 from ...core.aggregation.areas import arrange
 from ...core.rings import offsets_of
 from ..layers import wkb
-from ..partition.solving import measure_of
+from ..partition.solving import degrees_of, measure_of
 
 
 def with_dimensions(geometry, wkb_type):
@@ -35,7 +35,7 @@ def with_dimensions(geometry, wkb_type):
 def metres_of(crs):
     """Return the metres in one unit of `measure_of` a CRS; 1 where the unit is not known."""
     unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
-    if crs.isGeographic() or not crs.isValid() or crs.mapUnits() == unknown:
+    if degrees_of(crs) or not crs.isValid() or crs.mapUnits() == unknown:
         return 1.0
     return QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
 

@@ -118,11 +118,40 @@ def dimensions(wkb_type):
 def common_type(wkb_types):
     """Return the linear polygon type that geometries of several types fit in."""
     kind = QgsWkbTypes.Type.Polygon
-    if any(map(QgsWkbTypes.isMultiType, wkb_types)):
+    if any(QgsWkbTypes.isMultiType(one) or _flat(one) in _SURFACES for one in wkb_types):
         kind = QgsWkbTypes.Type.MultiPolygon
     if any(map(QgsWkbTypes.hasZ, wkb_types)):
         kind = QgsWkbTypes.addZ(kind)
     return QgsWkbTypes.addM(kind) if any(map(QgsWkbTypes.hasM, wkb_types)) else kind
+
+
+def is_patched(wkb_type):
+    """Whether a geometry is a triangle, a polyhedral surface or a TIN: polygons by another name."""
+    return _flat(wkb_type) in (_TRIANGLE, *_SURFACES)
+
+
+def patches(geometry):
+    """Return a geometry that `is_patched` as a polygon or a multipolygon: the same but for its name."""
+    kind = geometry.wkbType()
+    data = bytearray(geometry.constGet().asWkb())
+    count, place = 1, 0
+    if _flat(kind) in _SURFACES:
+        (count,), place = _COUNT.unpack_from(data, 5), 9
+        _COUNT.pack_into(data, 1, 6 + dimensions(kind))
+    for _ in range(count):
+        _COUNT.pack_into(data, place + 1, 3 + dimensions(kind))
+        (rings,), place = _COUNT.unpack_from(data, place + 5), place + 9
+        for _ in range(rings):
+            (points,) = _COUNT.unpack_from(data, place)
+            place += 4 + 8 * points * wkb.width(dimensions(kind))
+    return _geometry(bytes(data))
+
+
+_TRIANGLE, _SURFACES = 17, (15, 16)  # of which QGIS 3.22 has no names
+
+
+def _flat(wkb_type):
+    return int(QgsWkbTypes.flatType(wkb_type))
 
 
 def line_type(wkb_type):

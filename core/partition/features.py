@@ -181,7 +181,7 @@ class GivenLines:
         ]
 
 
-def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int) -> np.ndarray:
+def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int, measure: Metric) -> np.ndarray:
     """Return which features have a latitude beyond 90 degrees, so that their CRS cannot be right.
 
     Parameters
@@ -190,13 +190,15 @@ def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int) -> np.ndarray:
     owner : (q,) int
     count : int
         The number of features.
+    measure : Metric
+        Of angles.
 
     Returns
     -------
     (count,) bool
     """
     strange = np.zeros(count, dtype=bool)
-    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
+    beyond = np.abs(rings.coords[:, 1] * measure.degrees) > 90.0 + 1e-9
     strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
     return strange
 
