@@ -360,7 +360,7 @@ def _solved(
 def _read(
     origin: Source, texts: Sequence[str | None]
 ) -> tuple[_geometry.Polygons, core.Areas, dict[int, str]]:
-    """The polygons, the areas, and why some of these are left as they are; warns of what is wrong with them."""
+    """The polygons, the areas, and why some of these are left; warns of what is wrong with them."""
     found = _geometry.read_polygons(origin.geometries)
     areas = core.arrange(
         range(len(texts)),

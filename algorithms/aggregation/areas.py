@@ -15,7 +15,7 @@ from ...core.aggregation.areas import arrange
 from ...core.rings import offsets_of
 from ..base import counted
 from ..layers import wkb
-from ..partition.solving import measure_of
+from ..partition.solving import degrees_of, measure_of
 from ..words import tr
 
 ODD = 0.05  # how much larger or smaller than on the ground sizes may be before it is said
@@ -41,7 +41,7 @@ def with_dimensions(geometry, wkb_type):
 def metres_of(crs):
     """Return the metres in one unit of `measure_of` a CRS; 1 where the unit is not known."""
     unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
-    if crs.isGeographic() or not crs.isValid() or crs.mapUnits() == unknown:
+    if degrees_of(crs) or not crs.isValid() or crs.mapUnits() == unknown:
         return 1.0
     return QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
 
@@ -59,9 +59,10 @@ def tell_scale(feedback, crs, places, context):
     """
     if not crs.isValid() or not len(places):
         return
-    if crs.isGeographic():
+    degrees = degrees_of(crs)
+    if degrees:
         low, high = float(places[:, 1].min()), float(places[:, 1].max())
-        if low < -90.0 or high > 90.0:
+        if min(low, -high) * degrees < -90.0:
             feedback.pushWarning(
                 tr(
                     "The CRS of the layer, {}, is in degrees, but the layer reaches from latitude {:.10g} to "

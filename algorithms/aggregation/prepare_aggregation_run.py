@@ -40,38 +40,6 @@ def prepare_aggregation(tool, parameters, context, feedback):
     return {**sinks.destinations, **numbers} if numbers else {}
 
 
-class _Cut(NamedTuple):
-    """Areas and their pieces, in the order of the layer.
-
-    Attributes
-    ----------
-    areas : list of QgsFeature
-        Those whose polygons were all solved have no geometry any more.
-    area : (p,) int
-        The area of each piece.
-    status : (p,) object
-        Why a piece is what came in.
-    rings : Rings
-    is_new : (k,) bool
-        The rows of new vertices.
-    offsets : list of int
-        The pieces of area k are those from ``offsets[k]`` on.
-    classless : int
-        Areas without a class.
-    short : int
-        See `core.partition.features.without_vertex`.
-    """
-
-    areas: list
-    area: np.ndarray
-    status: np.ndarray
-    rings: Rings
-    is_new: np.ndarray
-    offsets: list
-    classless: int
-    short: int
-
-
 def _prepare(tool, parameters, context, feedback, source, sinks):
     """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
     class_index = field_index(tool, parameters, context, source, tool.CLASS)
@@ -82,43 +50,9 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         tool.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
         QgsCoordinateReferenceSystem(), False,
     )  # fmt: skip
-    tau = tool.parameterAsDouble(parameters, tool.TAU, context)
-    settings = _settings(tool, parameters, context, source)
-    try:
-        cut = _cut(reader, settings, tau, class_index, feedback)
-    except Cancelled:
-        return {}
-    skipped = _tell_uncut(feedback, cut)
-    if feedback.isCanceled():
-        return {}
-
-    feedback.setProgressText(tr("Finding shared boundaries"))
-    found, rings, grown = arrange_pieces(cut.rings, cut.is_new, settings.measure, layer.metres_of(crs))
-    layer.tell_scale(feedback, crs, found.coverage.xy, context)
-    _write_pieces(tool, sinks, reader.wkb_type, cut, rings, found.size, grown)
-    without = _write_areas_without_pieces(tool, sinks, cut)
-    if with_table:
-        _write_neighbours(tool, sinks, cut.area, found)
-
-    wrong = faults(found.coverage)
-    overlaps = np.unique(np.sort(cut.area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
-    overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
-    _report(feedback, cut.areas, overlaps, wrong.gaps, cut.classless)
-    report_short(feedback, cut.short)
-    return {
-        tool.AREA_COUNT: len(cut.areas),
-        tool.PIECE_COUNT: len(cut.area) + without,
-        tool.SKIPPED_COUNT: skipped,
-        tool.OVERLAP_COUNT: len(overlaps),
-        tool.GAP_COUNT: len(wrong.gaps),
-    }
-
-
-def _settings(tool, parameters, context, source):
-    """What the parameters say about cuts."""
     objective = tool.parameterAsEnumString(parameters, tool.OBJECTIVE, context)
-    return Settings(
-        measure=measure_of(source.sourceCrs()),
+    settings = Settings(
+        measure=measure_of(crs),
         natural=tool.parameterAsEnumString(parameters, tool.PLACES, context) == NATURAL,
         floors=tool.floors(parameters, context, source),
         lines=None,
@@ -126,13 +60,73 @@ def _settings(tool, parameters, context, source):
         weigh=weigh_by_length if objective == BY_LENGTH else None,
         all_dilations=False,
     )
+    tau = tool.parameterAsDouble(parameters, tool.TAU, context)
+
+    try:
+        cut = _cut(reader, class_index, settings, tau, feedback)
+    except Cancelled:
+        return {}
+    skipped = _tell_skipped(cut, feedback)
+    if feedback.isCanceled():
+        return {}
+
+    feedback.setProgressText(tr("Finding shared boundaries"))
+    found, rings, grown = arrange_pieces(cut.rings, cut.is_new, settings.measure, layer.metres_of(crs))
+    layer.tell_scale(feedback, crs, found.coverage.xy, context)
+    _write_pieces(tool, sinks, reader.wkb_type, cut, rings, found.size, grown)
+    empty = _write_empty(tool, sinks, cut)
+    if with_table:
+        _write_pairs(tool, sinks, cut, *neighbours(found))
+
+    wrong = faults(found.coverage)
+    overlaps = np.unique(np.sort(cut.area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
+    overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
+    _report(feedback, cut.features, overlaps, wrong.gaps, cut.classless)
+    report_short(feedback, cut.short)
+    return {
+        tool.AREA_COUNT: len(cut.features),
+        tool.PIECE_COUNT: len(cut.area) + empty,
+        tool.SKIPPED_COUNT: skipped,
+        tool.OVERLAP_COUNT: len(overlaps),
+        tool.GAP_COUNT: len(wrong.gaps),
+    }
 
 
-def _cut(reader, settings, tau, class_index, feedback):
-    """Read the areas and cut them, chunk by chunk; may raise `Cancelled`."""
+class _Cut(NamedTuple):
+    """The areas, and the pieces that they were cut into.
+
+    features : list of QgsFeature
+        The areas; those that were cut have lost their geometry.
+    area : (q,) int
+        The area of each piece, ascending.
+    verdict : (q,) object
+        For each piece '', or why its polygon was not cut.
+    rings : Rings
+    is_new : (k,) bool
+        Which of their rows are new vertices.
+    classless, short : int
+        Areas without a class, and edges where a cut is missing for want of a vertex.
+    """
+
+    features: list
+    area: np.ndarray
+    verdict: np.ndarray
+    rings: Rings
+    is_new: np.ndarray
+    classless: int
+    short: int
+
+    @property
+    def bounds(self):
+        """List of int: where the pieces of each area begin, and where those of the last one end."""
+        return offsets_of(np.bincount(self.area, minlength=len(self.features))).tolist()
+
+
+def _cut(reader, class_index, settings, tau, feedback):
+    """Cut the areas, chunk by chunk; may raise Cancelled."""
     check = checker(reader.progress, feedback.isCanceled)
-    areas, classless, short = [], 0, 0
-    area, status, rings, new = [], [], [], []  # of the pieces of each chunk
+    kept, classless, short = [], 0, 0
+    area, verdict, rings, is_new = [], [], [], []
     for features in reader.chunks():
         for feature in features:
             classless += layer.text(feature.attributes()[class_index]) is None
@@ -142,32 +136,31 @@ def _cut(reader, settings, tau, class_index, feedback):
             selection = select(problem.prepared, tau, weight=problem.weight, check=check, with_dilation=False)
             short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
             found = pieces(problem, finish(problem.prepared, selection, check=check).parts)
-            area.append(chunk.owner[found.polygon] + len(areas))
-            status.append(problem.verdict[found.polygon])
-            rings.append(Rings(problem.chunk.rings.coords[found.rows], found.offsets, found.ring_offsets))
-            new.append(found.rows >= len(chunk.rings.coords))
+            coords = problem.chunk.rings.coords
+            area.append(chunk.owner[found.polygon] + len(kept))
+            verdict.append(problem.verdict[found.polygon])
+            rings.append(Rings(coords[found.rows], found.offsets, found.ring_offsets))
+            is_new.append(found.rows >= len(chunk.rings.coords))
             # others may come out as they came
             for number in np.setdiff1d(chunk.owner, chunk.owner[problem.verdict != ""]).tolist():
                 chunk.features[number].clearGeometry()  # of 55,191 areas 0.03 GB
-            areas += chunk.features
-    area = np.concatenate([np.empty(0, dtype=np.int64), *area])
+            kept += chunk.features
     return _Cut(
-        areas,
-        area,
-        np.concatenate([np.empty(0, dtype=object), *status]),
-        joined_rings(rings),
-        np.concatenate([np.empty(0, dtype=bool), *new]),
-        offsets_of(np.bincount(area, minlength=len(areas))).tolist(),
-        classless,
-        short,
+        features=kept,
+        area=np.concatenate([np.empty(0, dtype=np.int64), *area]),
+        verdict=np.concatenate([np.empty(0, dtype=object), *verdict]),
+        rings=joined_rings(rings),
+        is_new=np.concatenate([np.empty(0, dtype=bool), *is_new]),
+        classless=classless,
+        short=short,
     )
 
 
-def _tell_uncut(feedback, cut):
-    """Warn of areas that were not cut, or not all of their parts; return their number."""
-    skipped = 0
-    for feature, lo, hi in zip(cut.areas, cut.offsets, cut.offsets[1:]):
-        problems = reasons_of(feature, cut.status[lo:hi])
+def _tell_skipped(cut, feedback):
+    """Tell which areas were not cut, or not all of them, and why; return how many."""
+    skipped, bounds = 0, cut.bounds
+    for feature, lo, hi in zip(cut.features, bounds[:-1], bounds[1:]):
+        problems = reasons_of(feature, cut.verdict[lo:hi])
         if problems:
             skipped += 1
             feedback.pushWarning(
@@ -177,8 +170,8 @@ def _tell_uncut(feedback, cut):
 
 
 def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
-    """Write the pieces; an area that was not cut, and got no vertices, as it came."""
-    multi = QgsWkbTypes.isMultiType(wkb_type)
+    """Write the pieces, numbered from 1."""
+    multi, bounds = QgsWkbTypes.isMultiType(wkb_type), cut.bounds
     geometries = wkb.polygon_geometries(
         rings.coords,
         np.arange(len(rings.coords)),
@@ -187,38 +180,44 @@ def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
         [wkb.dimensions(wkb_type)] * len(cut.area),
         multi,
     )
-    rows = zip(cut.area.tolist(), cut.status.tolist(), size.tolist(), grown.tolist(), geometries)
-    for k, (number, reason, own_size, has_grown, geometry) in enumerate(rows):
-        feature = cut.areas[number]
-        if reason and cut.offsets[number + 1] - cut.offsets[number] == 1 and not has_grown:
-            # even with a ring that is not closed
+    for k, (number, reason, own_size, geometry) in enumerate(
+        zip(cut.area.tolist(), cut.verdict.tolist(), size.tolist(), geometries)
+    ):
+        feature = cut.features[number]
+        if reason and bounds[number + 1] - bounds[number] == 1 and not grown[k]:
+            # as it came, even with a ring that is not closed
             own = feature.geometry()
             if not QgsWkbTypes.isCurvedType(own.wkbType()):
                 geometry = own
                 if multi:
                     geometry.convertToMultiType()
-        values = [feature.id(), k + 1, own_size, reason]
-        sinks.add(tool.OUTPUT, geometry, feature.attributes() + values, Sentence("area {}", feature.id()))
+        _add_piece(tool, sinks, feature, geometry, [k + 1, own_size, reason])
 
 
-def _write_areas_without_pieces(tool, sinks, cut):
-    """Write the areas that have no polygon; return their number."""
-    empty = [feature for feature, lo, hi in zip(cut.areas, cut.offsets, cut.offsets[1:]) if lo == hi]
-    for feature in empty:
+def _write_empty(tool, sinks, cut):
+    """Write the areas that have no pieces; return how many."""
+    empty = np.flatnonzero(np.diff(cut.bounds) == 0).tolist()
+    for number in empty:
+        feature = cut.features[number]
         (reason,) = reasons_of(feature, ())
-        values = [feature.id(), layer.NULL, 0.0, reason]
-        sinks.add(
-            tool.OUTPUT, feature.geometry(), feature.attributes() + values, Sentence("area {}", feature.id())
-        )
+        _add_piece(tool, sinks, feature, feature.geometry(), [layer.NULL, 0.0, reason])
     return len(empty)
 
 
-def _write_neighbours(tool, sinks, area, found):
-    """Write the table of neighbouring pieces."""
-    pairs, length = neighbours(found)
-    virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
-    for (a, b), shared, is_cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-        sinks.add(tool.ADJACENCY, None, [a + 1, b + 1, shared, is_cut])
+def _add_piece(tool, sinks, feature, geometry, values):
+    sinks.add(
+        tool.OUTPUT,
+        geometry,
+        [*feature.attributes(), feature.id(), *values],
+        Sentence("area {}", feature.id()),
+    )
+
+
+def _write_pairs(tool, sinks, cut, pairs, length):
+    """Write the table of neighbours."""
+    virtual = (cut.area[pairs[:, 0]] == cut.area[pairs[:, 1]]).astype(int)
+    for (a, b), shared, same in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
+        sinks.add(tool.ADJACENCY, None, [a + 1, b + 1, shared, same])
 
 
 def _report(feedback, kept, overlaps, gaps, classless, most=10):

@@ -2,7 +2,7 @@
 
 import html
 
-from ..base import amount
+from ..base import amount, grouped
 from ..partition.report import STYLE
 from ..words import spoken, tr
 
@@ -32,16 +32,18 @@ def page(title, intro, balance):
     class_rows = [
         (
             name,
-            f"{areas:,}",
-            f"{before / 1e4:,.1f}",
+            grouped(areas),
+            grouped(before / 1e4, ",.1f"),
             *_share(before, size),
-            f"{regions:,}",
-            f"{after / 1e4:,.1f}",
+            grouped(regions),
+            grouped(after / 1e4, ",.1f"),
             *_share(after, size),
         )
         for name, areas, before, regions, after in balance.classes
     ]
-    lost_rows = [(name, f"{many:,}", f"{lost:,}", *_share(lost, many)) for name, lost, many in balance.lost]
+    lost_rows = [
+        (name, grouped(many), grouped(lost), *_share(lost, many)) for name, lost, many in balance.lost
+    ]
     body = [
         f"<h1>{html.escape(title)}</h1>",
         *(f"<p>{html.escape(text)}</p>" for text in intro),

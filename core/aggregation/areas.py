@@ -177,11 +177,12 @@ def arrange(
     y[some] = np.clip(y[some], low[some, 1], high[some, 1])
     around = xy - np.column_stack((x, y))[row_area]
     if measure.conformal and n:
-        around = EARTH_RADIUS * np.radians(around)
-        around[:, 0] *= np.cos(np.radians(xy[:, 1]))
+        unit = measure.degrees
+        around = EARTH_RADIUS * np.radians(around * unit)
+        around[:, 0] *= np.cos(np.radians(xy[:, 1] * unit))
         middle = np.median(x)
-        x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
-        y = EARTH_RADIUS * np.radians(y)
+        x = EARTH_RADIUS * np.cos(np.radians(y * unit)) * np.radians((x - middle) * unit)
+        y = EARTH_RADIUS * np.radians(y * unit)
     spread = np.zeros(n)
     spread[: owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
     return Areas(

@@ -755,27 +755,32 @@ def _corners(coverage, pieces, count):
 
 
 def _nest(coverage, rings):
-    """Rings, by their area and rows, as shells with their holes."""
-    shells, holes = [], []
-    for area, rows in rings:
-        (shells if area > 0.0 else holes).append((abs(area), rows))
+    """Rings, by their area and rows, as shells with their holes; none where they cross."""
+    rings = sorted(rings, key=lambda ring: -abs(ring[0]))
+    shells = [ring for ring in rings if ring[0] > 0.0]
+    holes = [ring for ring in rings if not ring[0] > 0.0]
     if not shells:
         return []
-    shells.sort(key=lambda ring: -ring[0])
     polygons = [[rows] for _, rows in shells]
-    holes.sort(key=lambda ring: -ring[0])
-    if len(polygons) == 1:
-        polygons[0] += [rows for _, rows in holes]
-    elif holes:
-        shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells]
-        for area, rows in holes:
-            # an island in the hole may contain its inner point, but is not larger than the hole
-            hole = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
-            around = [k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)]
-            polygons[around[-1] if around else 0].append(rows)
+    for (_, rows), k in zip(holes, _shells_around(coverage, shells, holes)):
+        polygons[k].append(rows)
     # where the input overlaps, rings may cross
     made = [
-        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in holes])
-        for shell, *holes in polygons
+        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in own])
+        for shell, *own in polygons
     ]
     return polygons if shapely.is_valid(shapely.MultiPolygon(made)) else []
+
+
+def _shells_around(coverage, shells, holes):
+    """The smallest shell around each hole, by its number; shells stand by falling area."""
+    if len(shells) == 1:
+        return [0] * len(holes)
+    shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells] if holes else []
+    found = []
+    for area, rows in holes:
+        # an island in the hole may contain its inner point, but is not larger than the hole
+        inside = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
+        larger = reversed([k for k, (size, _) in enumerate(shells) if size > -area])
+        found.append(next((k for k in larger if shapes[k].contains(inside)), 0))
+    return found

@@ -196,7 +196,7 @@ def _only_child(offer, demand, base, weight, limit, reach):
 
 
 def _in_pairs(fronts, ways, base, reach, room):
-    """Half as many fronts, each of two added up, and the points of the children below; None if one is too long.
+    """Half as many fronts, each of two added up, and the points below; None if one is too long.
 
     The first pair has the base.
     """
