@@ -86,10 +86,12 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """
         named = dict(parameters)
         for definition in self.parameterDefinitions():
+            if definition.name() not in named:
+                continue
             if isinstance(definition, QgsProcessingParameterNumber) and definition.flags() & OPTIONAL:
-                if named.get(definition.name()) in ("", NULL):
+                if named[definition.name()] in ("", NULL):
                     named[definition.name()] = None
-            if isinstance(definition, QgsProcessingParameterEnum) and definition.name() in named:
+            if isinstance(definition, QgsProcessingParameterEnum):
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
         return named
 
