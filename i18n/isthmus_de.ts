@@ -1292,6 +1292,10 @@
    <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
   </message>
   <message>
+   <source>The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?</source>
+   <translation>Die Karte ist in Grad ({}), und ({:g} {:g}) liegt jenseits des Globus. Stimmt ihr KBS?</translation>
+  </message>
+  <message>
    <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>
    <translation>Die Karte würde über den Globus hinauswachsen. Behalten Sie ihre Ausdehnung bei (Rahmen einschalten).</translation>
   </message>

@@ -129,6 +129,7 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
     if crs.isGeographic():
+        _refuse_beyond_the_globe(given.rows, crs)
         growth, aspect = on_the_globe(given.rows, growth)
         feedback.pushInfo(
             tr(
@@ -153,11 +154,24 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
         return None
     except IsthmusError as problem:
         raise QgsProcessingException(as_sentence(spoken(problem.sentence))) from None
-    if crs.isGeographic() and not (np.abs(result.rows) <= (180.0, 90.0)).all():
+    reach = np.maximum(np.abs(given.rows).max(axis=0), (180.0, 90.0))  # longitudes may go from 0 to 360
+    if crs.isGeographic() and not (np.abs(result.rows) <= reach).all():
         raise QgsProcessingException(
             tr("The map would grow beyond the globe. Keep its extent (switch the frame on).")
         )
     return result
+
+
+def _refuse_beyond_the_globe(rows, crs):
+    """Complain of what is in metres, most likely."""
+    beyond = ~(np.abs(rows) <= (360.0, 90.0)).all(axis=1)
+    if beyond.any():
+        x, y = rows[np.argmax(beyond)].tolist()
+        raise QgsProcessingException(
+            tr("The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?").format(
+                crs.authid(), x, y
+            )
+        )
 
 
 def _tell(feedback, result):
@@ -348,8 +362,11 @@ def _geometries(source, crs, context):
         if geometry.isNull() or geometry.isEmpty():
             continue
         if transform.isValid() and not transform.isShortCircuited():
+            finite = geometry.boundingBox().isFinite()
             try:
                 geometry.transform(transform)
+                if finite and not geometry.boundingBox().isFinite():
+                    raise QgsCsException("")
             except QgsCsException:
                 raise QgsProcessingException(
                     tr(

@@ -172,9 +172,12 @@ def enlarge(
     xy = local(graph.xy)
     for corner in box:  # what is at a side but for rounding is on it
         xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+    check(0.2)
     noded = node(xy, graph.edges, check)
+    check(0.4)
     regions = [shapely.transform(region, local) for region in regions]
     land = _land(local(rows), starts, polygons)
+    check(0.6)
     mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
     points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
     skipped = []

@@ -71,7 +71,7 @@ def coarsen(
     most : int
         Stop when no more than so many of the others among ``removable`` are left.
     check : callable
-        Called now and then; may raise `Cancelled`.
+        Called with the share done; may raise `Cancelled`.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def coarsen(
     >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
     >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
     >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
-    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda share: None)
     >>> coarse.into.tolist()
     [0, 1, 2, 3, 4, 4]
     >>> len(triangles), len(coarse.triangles)
@@ -103,7 +103,7 @@ def coarsen(
         rigid = np.zeros_like(rigid)  # a small map is solved for as it is
     tolerance = TINY
     while True:
-        check()
+        check(1.0 - np.count_nonzero(alive) / n)
         left = np.count_nonzero(alive & removable & ~rigid)
         u, v = _ways(xy, triangles, edges, removable & alive, rigid, tolerance, rng)
         goes = np.full(n, -1)
@@ -271,7 +271,7 @@ def reinsert(
     >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
     >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
     >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
-    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda share: None)
     >>> shift = np.zeros((6, 2))
     >>> shift[4] = 0.1, 0.0
     >>> reinsert(coarse, xy, shift, rigid, lambda: None)[4:].round(6).tolist()

@@ -261,7 +261,9 @@ def coarse_of(seed, n=800):
         )
     ]
     removable = np.arange(len(xy)) < n
-    found = hierarchy.coarsen(xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, nothing)
+    found = hierarchy.coarsen(
+        xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, lambda share: None
+    )
     return xy, triangles, found
 
 
@@ -299,7 +301,7 @@ def test_what_is_known_stays_when_it_is_put_back():
     xy, triangles, edges, _ = frame(3)
     free = ((xy > 0.0) & (xy < 1.0)).all(axis=1)
     known = free & (xy[:, 0] < 0.5)
-    coarse = hierarchy.coarsen(xy, triangles, edges, free, known, 5, nothing)
+    coarse = hierarchy.coarsen(xy, triangles, edges, free, known, 5, lambda share: None)
     gone = known & (coarse.into != np.arange(len(xy)))
     assert np.count_nonzero(gone) > 5
     shift = np.zeros_like(xy)
