@@ -87,7 +87,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         named = dict(parameters)
         for definition in self.parameterDefinitions():
             if isinstance(definition, QgsProcessingParameterNumber) and definition.flags() & OPTIONAL:
-                if named.get(definition.name()) in ("", NULL):
+                if definition.name() in named and named[definition.name()] in ("", NULL):
                     named[definition.name()] = None
             if isinstance(definition, QgsProcessingParameterEnum) and definition.name() in named:
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
