@@ -454,8 +454,8 @@ class _Run:
         if len(small) == len(found.core) > 0:
             self.feedback.pushWarning(
                 tr(
-                    "No region reaches its minimum size: is the threshold larger than the map? Those that hang "
-                    "together by shared boundaries have {} square metres at most."
+                    "No region reaches its minimum size: is the threshold larger than the map? Those that "
+                    "hang together by shared boundaries have {} square metres at most."
                 ).format(amount(self._largest()))
                 if np.isfinite(self.problem.theta[:-1]).any()
                 else tr("No region may have a class of the map: all of them are excluded.")

@@ -66,7 +66,8 @@ def tell_scale(feedback, crs, places, context):
             feedback.pushWarning(
                 tr(
                     "The CRS of the layer, {}, is in degrees, but the layer reaches from latitude {:.10g} to "
-                    "{:.10g}: sizes and lengths will be wrong. Give it the CRS that it has (Assign projection)."
+                    "{:.10g}: sizes and lengths will be wrong. Give it the CRS that it has (Assign "
+                    "projection)."
                 ).format(crs.authid(), low, high)
             )
         return
@@ -82,7 +83,8 @@ def tell_scale(feedback, crs, places, context):
         feedback.pushWarning(
             tr(
                 "In the CRS of the layer, {}, areas in the middle of the map are {:.2f} times as large as on "
-                "the ground, and all sizes are measured in it. Use Reproject layer first, to an equal-area CRS."
+                "the ground, and all sizes are measured in it. Use Reproject layer first, to an equal-area "
+                "CRS."
             ).format(crs.authid(), ratio)
         )
 
