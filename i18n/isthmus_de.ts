@@ -376,6 +376,10 @@
    <translation>Flächen über der halben Mindestgröße ihrer Klasse, und wie viele von ihnen sie (mit mehr als der halben Fläche) verloren haben.</translation>
   </message>
   <message>
+   <source>Areas above half of the minimum size that lost their class: {} of {}{}.</source>
+   <translation>Flächen über der Hälfte der Mindestgröße, die ihre Klasse verloren haben: {} von {}{}.</translation>
+  </message>
+  <message>
    <source>Areas before, regions after, with their sizes in hectares.</source>
    <translation>Flächen vorher, Regionen nachher, mit ihrer Größe in Hektar.</translation>
   </message>
@@ -394,6 +398,10 @@
   <message>
    <source>Before: every area a region of its own. The share is that of the cost after.</source>
    <translation>Vorher: jede Fläche als eigene Region. Der Anteil bezieht sich auf die Kosten nachher.</translation>
+  </message>
+  <message>
+   <source>Beside another area, but with no boundary in common because of a gap or an overlap: {}, such as area {} beside area {}. Gaps may be too narrow to be seen. Close them first, by v.clean or Snap geometries to layer.</source>
+   <translation>Neben einer anderen Fläche, aber wegen einer Lücke oder Überlappung ohne gemeinsame Grenze: {}, etwa Fläche {} neben Fläche {}. Lücken können so schmal sein, dass man sie nicht sieht. Bitte zuerst schließen, mit v.clean oder „Geometrien an Layer einrasten“.</translation>
   </message>
   <message>
    <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels without this cut do not have them. Neighbours in the layer do not get them.</source>
@@ -448,6 +456,10 @@
    <translation>Klassen, die im Ergebnis nicht vorkommen dürfen, durch Kommas getrennt.</translation>
   </message>
   <message>
+   <source>Classes without any region: {}{}.</source>
+   <translation>Klassen ohne Region: {}{}.</translation>
+  </message>
+  <message>
    <source>Copy the command</source>
    <translation>Befehl kopieren</translation>
   </message>
@@ -476,8 +488,8 @@
    <translation>Kosten über tau</translation>
   </message>
   <message>
-   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % of the area changed its class.</source>
-   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Zentrum {:.6g}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
+   <source>Cost {}: class change {}, boundary {}, centre distance {}. {}; {:.2f} % of the area changed its class.</source>
+   <translation>Kosten {}: Klassenwechsel {}, Grenzen {}, Entfernung vom Zentrum {}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
   </message>
   <message>
    <source>Cuts</source>
@@ -684,6 +696,10 @@
    <translation>Mindestfläche der Löcher (Layereinheiten²; Grad: m²)</translation>
   </message>
   <message>
+   <source>In the CRS of the layer, {}, areas in the middle of the map are {:.2f} times as large as on the ground, and all sizes are measured in it. Use Reproject layer first, to an equal-area CRS.</source>
+   <translation>Im KBS des Layers, {}, sind Flächen in der Mitte der Karte {:.2f}-mal so groß wie in der Natur, und alle Größen werden darin gemessen. Bitte den Layer zuerst in ein flächentreues KBS reprojizieren.</translation>
+  </message>
+  <message>
    <source>In the folder: {names}</source>
    <translation>Im Ordner: {names}</translation>
   </message>
@@ -812,6 +828,14 @@
    <translation>Mindestgröße (Quadratmeter)</translation>
   </message>
   <message>
+   <source>Minimum size: {} square metres.</source>
+   <translation>Mindestgröße: {} Quadratmeter.</translation>
+  </message>
+  <message>
+   <source>Minimum size: {} square metres; of some classes another.</source>
+   <translation>Mindestgröße: {} Quadratmeter; bei einigen Klassen eine andere.</translation>
+  </message>
+  <message>
    <source>Minimum sizes by class</source>
    <translation>Mindestgrößen nach Klasse</translation>
   </message>
@@ -844,20 +868,20 @@
    <translation>Keine Region darf eine Klasse der Karte haben: Alle sind ausgeschlossen.</translation>
   </message>
   <message>
-   <source>No region reaches its minimum size: is the threshold larger than the map?</source>
-   <translation>Keine Region erreicht ihre Mindestgröße: Ist die Mindestgröße größer als die Karte?</translation>
+   <source>No region reaches its minimum size: is the threshold larger than the map? Those that hang together by shared boundaries have {} square metres at most.</source>
+   <translation>Keine Region erreicht ihre Mindestgröße: Ist die Mindestgröße größer als die Karte? Was durch gemeinsame Grenzen zusammenhängt, hat höchstens {} Quadratmeter.</translation>
   </message>
   <message>
    <source>No relevant edges for {}.</source>
    <translation>Keine relevanten Kanten für {}.</translation>
   </message>
   <message>
-   <source>No solution costs less than {:.6g}</source>
-   <translation>Keine Lösung kostet weniger als {:.6g}</translation>
+   <source>No solution costs less than {}</source>
+   <translation>Keine Lösung kostet weniger als {}</translation>
   </message>
   <message>
-   <source>No solution in which every area that is large enough by itself is a core costs less than {:.6g}</source>
-   <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {:.6g}</translation>
+   <source>No solution in which every area that is large enough by itself is a core costs less than {}</source>
+   <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {}</translation>
   </message>
   <message>
    <source>No step pays off more than another.</source>
@@ -956,10 +980,6 @@
    <translation>Anzahl der relevanten Kanten</translation>
   </message>
   <message>
-   <source>Of {} above half of the minimum size, {} lost their class{}{}.</source>
-   <translation>Über der Hälfte der Mindestgröße: {}; davon haben {} die Klasse verloren{}{}.</translation>
-  </message>
-  <message>
    <source>On the command line</source>
    <translation>Auf der Kommandozeile</translation>
   </message>
@@ -1044,8 +1064,8 @@
    <translation>Zu vergrößernde Region</translation>
   </message>
   <message>
-   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}.</source>
-   <translation>Für Region {} um Fläche {} ({:.6g} Quadratmeter) gab es keine Abhilfe: {}.</translation>
+   <source>Region {} around area {} ({} square metres) could not be helped: {}.</source>
+   <translation>Für Region {} um Fläche {} ({} Quadratmeter) gab es keine Abhilfe: {}.</translation>
   </message>
   <message>
    <source>Regions</source>
@@ -1172,6 +1192,10 @@
    <translation>Tabelle der Klassenabstände</translation>
   </message>
   <message>
+   <source>The CRS of the layer, {}, is in degrees, but the layer reaches from latitude {:.10g} to {:.10g}: sizes and lengths will be wrong. Give it the CRS that it has (Assign projection).</source>
+   <translation>Das KBS des Layers, {}, ist in Grad, aber der Layer reicht von Breite {:.10g} bis {:.10g}: Größen und Längen werden falsch. Bitte das richtige KBS setzen (Projektion zuweisen).</translation>
+  </message>
+  <message>
    <source>The Python package {} is faster.</source>
    <translation>Das Python-Paket {} ist schneller.</translation>
   </message>
@@ -1266,6 +1290,10 @@
   <message>
    <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
    <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
+  </message>
+  <message>
+   <source>The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?</source>
+   <translation>Die Karte ist in Grad ({}), und ({:g} {:g}) liegt jenseits des Globus. Stimmt ihr KBS?</translation>
   </message>
   <message>
    <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>
@@ -1756,6 +1784,10 @@
    <translation>Name eines Feldes</translation>
   </message>
   <message>
+   <source>no class</source>
+   <translation>keine Klasse</translation>
+  </message>
+  <message>
    <source>none (optional)</source>
    <translation>keine (optional)</translation>
   </message>
@@ -2028,6 +2060,10 @@
    <translation>{} (Abstand {:.2f} %; {}; gelöst: {}).</translation>
   </message>
   <message>
+   <source>{} ({}, {} ha)</source>
+   <translation>{} ({}, {} ha)</translation>
+  </message>
+  <message>
    <source>{} and {}</source>
    <translation>{} und {}</translation>
   </message>
@@ -2140,10 +2176,6 @@
    <translation>{} {} liegt in {}</translation>
   </message>
   <message>
-   <source>{} {} of {}</source>
-   <translation>{} {} von {}</translation>
-  </message>
-  <message>
    <source>{}, made by {} of {} in all. The largest detour left is {:.4g}.</source>
    <translation>{}, durch {} von insgesamt {}. Der größte verbliebene Umweg ist {:.4g}.</translation>
   </message>
@@ -2162,6 +2194,10 @@
   <message>
    <source>{}: {}</source>
    <translation>{}: {}</translation>
+  </message>
+  <message>
+   <source>{}: {} of {}</source>
+   <translation>{}: {} von {}</translation>
   </message>
  </context>
 </TS>

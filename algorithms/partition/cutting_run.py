@@ -19,7 +19,7 @@ from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..words import spoken, tr
 from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
-from .solving import problems, reasons_of, settings_of
+from .solving import degrees_of, problems, reasons_of, settings_of
 
 
 def cut(tool, parameters, context, feedback, chooser, extra_values=None):
@@ -127,7 +127,7 @@ class _Writer:
         self.tool, self.sinks, self.told, self.extra_values = tool, sinks, Told(), extra_values
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
-        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
+        self.unit = "m" if degrees_of(crs) else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
         line_type = wkb.line_type(wkb_type)
         part_fields = QgsProcessingUtils.combineFields(fields, make_fields(PART_FIELDS + tool.extra_fields))
         sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)

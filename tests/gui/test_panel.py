@@ -35,19 +35,10 @@ def polygons(wkts, crs="EPSG:3857"):
     return layer
 
 
-def rough(count):
-    """An island: a circle with noise of all wave lengths."""
-    random = np.random.default_rng(1)
-    angle = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
-    wave = np.arange(count // 2 + 1.0)
-    wave[1:] **= -1.2
-    noise = np.fft.irfft(wave * np.exp(2j * np.pi * random.random(len(wave))), count)
-    radius = 1e6 * np.exp(0.35 * noise / noise.std())
-    xy = np.c_[radius * np.cos(angle), radius * np.sin(angle)]
-    geometry = QgsGeometry()
-    head = np.array([3, 1, count + 1], "<u4").tobytes()
-    geometry.fromWkb(b"\x01" + head + np.vstack((xy, xy[:1])).tobytes())
-    return geometry
+@pytest.fixture
+def rough(tool):
+    """An island of so many vertices: ``rough(count)``."""
+    return tool("window").rough_island
 
 
 def segments(geometries):
@@ -73,7 +64,7 @@ def cuts_of(tool, layer, **parameters):
 
 
 @pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
-def test_the_preview_is_what_the_tools_make(provider, places, smallest):
+def test_the_preview_is_what_the_tools_make(provider, places, smallest, rough):
     from isthmus.algorithms.partition.preview import preview
 
     layer = polygons([ROOMS, HOLE, rough(3000)])
@@ -228,7 +219,7 @@ def test_the_command_is_quoted_for_the_shell(qgis_app, provider):
     assert " --TAU=3 " in command and command.endswith(" --OUTPUT=C:\\plain.gpkg")
 
 
-def test_cancel_and_another_layer(panel, wait):
+def test_cancel_and_another_layer(panel, wait, rough):
     layer = polygons([rough(200_000)])
     panel.find()
     task = panel.task
@@ -287,7 +278,7 @@ def test_the_map_may_have_another_crs(panel, iface, wait):
 
 @pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
 def test_the_slider_moves_the_cuts_of_100000_vertices_within_100_ms(
-    panel, iface, wait, places, smallest, capsys
+    panel, iface, wait, places, smallest, rough, capsys
 ):
     layer = polygons([rough(100_000)])
     iface.canvas.setDestinationCrs(layer.crs())
