@@ -1288,12 +1288,12 @@
    <translation>Die Karte hat keine Objekte, deren Geometrie sich verschieben lässt.</translation>
   </message>
   <message>
-   <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
-   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
-  </message>
-  <message>
    <source>The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?</source>
    <translation>Die Karte ist in Grad ({}), und ({:g} {:g}) liegt jenseits des Globus. Stimmt ihr KBS?</translation>
+  </message>
+  <message>
+   <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
+   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion, die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
   </message>
   <message>
    <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>
