@@ -30,6 +30,7 @@ from ...core.focus.globe import on_the_globe
 from ...core.focus.graph import match
 from ...core.focus.selection import rule_of
 from ...core.metric import FARTHEST
+from ...core.wkb import joined
 from ..layers import wkb
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
@@ -115,15 +116,10 @@ def _read(source, feedback):
                 "{:g}: feature {}."
             ).format(FARTHEST, ids)
         )
-    counts = [count for one in runs for count in one.counts]
-    if not counts:
+    rows, starts, polygons = joined(runs)
+    if len(starts) == 1:
         raise QgsProcessingException(tr("The map has no features with a geometry that can be moved."))
-    polygons, first = [], 0
-    for one in runs:
-        polygons += [[first + ring for ring in rings] for rings in one.polygons]
-        first += len(one.counts)
-    rows = np.concatenate([one.xy for one in runs])
-    return _Map(held, runs, rows, np.append(0, np.cumsum(counts)), polygons)
+    return _Map(held, runs, rows, starts, polygons)
 
 
 def _solve(tool, parameters, context, feedback, given, focus_source, crs):

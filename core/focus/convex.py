@@ -156,7 +156,7 @@ def _step(xy, now, star, ours):
 
 
 def _patches(xy, now, triangles, spare, free, rings):
-    """Corners around triangles that are still turned, so many rings of them, and the triangles they are in."""
+    """Corners around triangles that are still turned, so many rings of them, and their triangles."""
     near = np.zeros(len(xy), dtype=bool)
     near[spare[turned(xy, now, spare)]] = True
     if not near.any():
