@@ -807,7 +807,7 @@ class _Search:
     def _more_points(self):
         """As many as the last gap lets expect to be enough: it falls faster than as 1 / points.
 
-        On the coast of 1.16 million vertices it fell as points ** -1.08, on one of 139,785 as -1.34 and -1.42.
+        On the coast of 1.16 million vertices it fell as points ** -1.08, on one of 139,785 as -1.34, -1.42.
         Too few cost more than too many: with 0.88 instead of 0.95 the largest coast was 0.14 per cent short,
         and took a whole round more.
         """
