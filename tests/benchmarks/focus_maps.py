@@ -441,7 +441,8 @@ def patches(seed, n):
 
 
 def draw(picture, rows, starts, numbers, result, focus):
-    """Before and after, side by side."""
+    """Before and after, side by side, what is in focus in another colour."""
+    from isthmus.core.focus.carrying import Carrier
     from qgis.PyQt.QtCore import QPointF
     from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
 
@@ -453,20 +454,31 @@ def draw(picture, rows, starts, numbers, result, focus):
     painter = QPainter(image)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(QPen(QColor("#4a463f"), 0.5))
-    inside = np.zeros(len(rows), dtype=bool)
-    inside[shapely.STRtree(shapely.points(rows)).query(focus, predicate="intersects")] = True
+    carrier = Carrier(result.points, result.moved, result.triangles)
     left = 4
-    for xy, (width, height) in zip((rows, result.rows), size):
+    for xy, carried, (width, height) in zip((rows, result.rows), (np.copy, carrier), size):
         low = xy.min(axis=0)
-        for polygons in numbers:
-            for lines in polygons:
-                path = QPainterPath()
-                for line in lines:
-                    at = (xy[starts[line] : starts[line + 1]] - low) * scale
-                    path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))
-                mine = inside[starts[lines[0]] : starts[lines[0] + 1]].mean() > 0.9
-                painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
-                painter.drawPath(path)
+
+        def path_of(rings):
+            path = QPainterPath()
+            for ring in rings:
+                at = (ring - low) * scale  # noqa: B023
+                path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))  # noqa: B023
+            return path
+
+        polygons = [lines for one in numbers for lines in one]
+        painter.setBrush(QColor("#efece4"))
+        for lines in polygons:
+            painter.drawPath(path_of([xy[starts[line] : starts[line + 1]] for line in lines]))
+        painter.setBrush(QColor("#f0c987"))
+        for lines in polygons:  # what is in focus of each
+            shell, *holes = (rows[starts[line] : starts[line + 1]] for line in lines)
+            for part in shapely.get_parts(
+                shapely.intersection(focus, shapely.Polygon(shell, holes).buffer(0))
+            ):
+                if shapely.get_type_id(part) == 3:
+                    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(part)]
+                    painter.drawPath(path_of([carried(ring) for ring in rings]))
         left += int(width)
     painter.end()
     image.save(str(picture))
@@ -475,7 +487,7 @@ def draw(picture, rows, starts, numbers, result, focus):
 def sheet(folder, picture):
     """Of the maps drawn in a folder those that are distorted least and most, by what 95 % do not exceed."""
     from qgis.PyQt.QtCore import QRect, Qt
-    from qgis.PyQt.QtGui import QColor, QImage, QPainter
+    from qgis.PyQt.QtGui import QColor, QFontMetrics, QImage, QPainter
 
     order = sorted(
         json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0])
@@ -486,8 +498,6 @@ def sheet(folder, picture):
     image.fill(QColor("#dbe6ec"))
     painter = QPainter(image)
     font = painter.font()
-    font.setPixelSize(12)
-    painter.setFont(font)
     for k, (file, (name, median, high)) in enumerate(order[:6] + order[-3:]):
         one = QImage(str(folder / file)).scaled(
             width - 8,
@@ -498,9 +508,12 @@ def sheet(folder, picture):
         x, y = k % 3 * width, k // 3 * height
         painter.drawImage(x + (width - one.width()) // 2, y + 20, one)
         painter.setPen(QColor("#8a2b1d" if k > 5 else "#333333"))
-        painter.drawText(
-            QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees"
-        )
+        told = f"{name}: {median} / {high} degrees"
+        font.setPixelSize(12)  # or less, where that is too wide
+        while QFontMetrics(font).horizontalAdvance(told) > width - 8:
+            font.setPixelSize(font.pixelSize() - 1)
+        painter.setFont(font)
+        painter.drawText(QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, told)
     painter.end()
     image.save(str(picture))
 
