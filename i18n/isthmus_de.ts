@@ -1293,7 +1293,7 @@
   </message>
   <message>
    <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
-   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
+   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion, die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
   </message>
   <message>
    <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>

@@ -60,7 +60,8 @@ def metadata(text, owner, changes):
     version = re.search(r"^version=(.*)$", text, re.MULTILINE)[1]
     said = changes_of(changes, version)
     # the percent sign has a meaning for those who read this
-    said = said.replace(" %", " per cent").replace("%", " per cent").replace("`", "").splitlines()
+    said = said.replace(" %", " per cent").replace("%", " per cent").replace("`", "")
+    said = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", said).splitlines()
     return "\n".join([
         *lines, *(f"{key}={value}" for key, value in settings["owner"].items()),
         f"changelog=Version {version}", *(f"  {line}" for line in said if line.strip()), "",

@@ -240,8 +240,8 @@ class Sinks:
 
 def _not_written(sink, origin=""):
     return tr(
-        "A result{} could not be written (is the disk full, or a value too long or unknown to the "
-        "format?): {}"
+        "A result{} could not be written (is the disk full, or a value too long or unknown to "
+        "the format?): {}"
     ).format(origin and f" ({spoken(origin)})", sink.lastError())
 
 

@@ -4,6 +4,7 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 """
 
 import struct
+from functools import lru_cache
 
 import numpy as np
 from qgis.core import QgsGeometry, QgsWkbTypes
@@ -33,10 +34,12 @@ def read_polygons(geometries):
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
         abstract = _straight(geometry)
-        kind = QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
-        extra.append(dimensions(kind))
-        if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) == QgsWkbTypes.Type.Polygon:
-            data, multi = bytes(abstract.asWkb()), QgsWkbTypes.isMultiType(kind)
+        own_extra, is_polygon, multi = _facts(
+            QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
+        )
+        extra.append(own_extra)
+        if is_polygon:
+            data = bytes(abstract.asWkb())
             counts = _find_rings(data, multi, wkb.width(extra[-1]), runs)
             owner += [number] * len(counts)
             ring_counts += counts
@@ -108,6 +111,13 @@ def _without_closing(coords, offsets):
     kept[last[closed]] = False
     points[closed] -= 1
     return coords[kept], offsets_of(points)
+
+
+@lru_cache(maxsize=None)  # asked for every feature, and QGIS takes its time for each of its answers
+def _facts(wkb_type):
+    """The `dimensions` of a type, whether it is of polygons, and whether of several."""
+    single = QgsWkbTypes.flatType(QgsWkbTypes.singleType(wkb_type))
+    return dimensions(wkb_type), single == QgsWkbTypes.Type.Polygon, QgsWkbTypes.isMultiType(wkb_type)
 
 
 def dimensions(wkb_type):

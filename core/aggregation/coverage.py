@@ -196,21 +196,26 @@ def cover(
         new_head[last - 1] = head
         tail, head, row, edge, polygon = new_tail, new_head, new_row, edge[whole], polygon[whole]
         twin = _twins(tail, head, len(points))
-    repeated = _repeated(tail, head, polygon, len(points))
+    repeated = _repeated(tail, head, polygon, twin, len(points))
     return Coverage(coords, offsets, ring_polygon, row, tail, head, points, polygon, edge, twin, repeated)
 
 
 def _twins(tail, head, count):
-    """For each piece one that runs the other way, each used once; -1 where there is none."""
-    key, back = tail * count + head, head * count + tail
+    """For each piece one that runs the other way, each used once; -1 where there is none.
+
+    Of several equal pieces the first one has a twin.
+    """
+    low, high = np.minimum(tail, head), np.maximum(tail, head)
+    key = 2 * (low * count + high) + (tail > head)  # those of both directions follow one another
     order = np.argsort(key, kind="stable")
     ordered = key[order]
-    at = np.searchsorted(ordered, back)
-    found = np.minimum(at, len(key) - 1)
-    twin = np.where(ordered[found] == back, order[found], -1)
-    # of several equal pieces, only mutual pairs count
-    mutual = (twin >= 0) & (twin[twin] == np.arange(len(key)))
-    return np.where(mutual, twin, -1)
+    first = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1]))
+    keys = ordered[first]
+    pair = np.flatnonzero((keys[1:] == keys[:-1] + 1) & (keys[:-1] % 2 == 0))
+    one, other = order[first[pair]], order[first[pair + 1]]
+    twin = np.full(len(key), -1)
+    twin[one], twin[other] = other, one
+    return twin
 
 
 def _close(points, tail, head, polygon, is_open, tolerance):
@@ -265,13 +270,17 @@ def _junctions(points, tail, head, polygon, open_edges, tolerance):
     return at[order], point[order]
 
 
-def _repeated(tail, head, polygon, count):
+def _repeated(tail, head, polygon, twin, count):
     """Pairs of polygons with the same directed piece."""
     key = tail * count + head
+    alone = np.sort(key[twin < 0])  # of equal pieces all but the first have no twin
+    if not len(alone):
+        return np.zeros((0, 2), dtype=np.int64)
+    some = np.flatnonzero(alone[np.minimum(np.searchsorted(alone, key), len(alone) - 1)] == key)
+    key, polygon = key[some], polygon[some]
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order][1:] == key[order][:-1])
-    pairs = np.column_stack((polygon[order[same]], polygon[order[same + 1]]))
-    return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+    return _each_pair(np.column_stack((polygon[order[same]], polygon[order[same + 1]])))
 
 
 def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]:

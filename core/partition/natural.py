@@ -13,6 +13,9 @@ for each. This stage chooses that set by what research on perception found, at o
 * **A corner is used once.** Short and sharp cuts come first, as in the models of Luo et al. 2015
   and of Papanelopoulos and Avrithis 2015 (BMVC); what is left of the outline must still be concave
   for another cut. So a body is not cut across from the foot of one limb to that of another.
+* **A body is not halved** at a shallow corner. A wide cut that leaves a third of the area or more on both sides
+  parts no limb from a body, so the outline must open up beside it much more than beside a limb's base. Else the
+  cut is no smooth going on of the outline (good continuation: Kellman and Shipley 1991, Cogn. Psychology 23).
 
 Everything along the outline, the detours of the solver too, is measured on an outline generalised
 to the scale of the smallest part; cuts and triangulation are those of the original vertices.
@@ -62,6 +65,9 @@ LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
 WIDER = 1.15  # an edge of a triangle beside the diagonal is so much longer ...
 STEP = 1.3  # ... or a diagonal within reach on one side is ...
 TAPER = 0.7  # ... and none within reach on the other side is shorter than this
+HALF = 1 / 3  # a cut that leaves more than this share of the area on both sides, ...
+NARROW = 0.2  # ... and is longer than this share of the area's root, halves a body, and needs ...
+OPEN = 80.0  # ... at its ends together so many degrees by which one side opens up, and half the other's
 
 
 class Natural(NamedTuple):
@@ -78,7 +84,7 @@ class Natural(NamedTuple):
         diagonal joins two rings and has no sides.
     why : (k,) int8
         KEPT, or the rule that sets the diagonal aside: SMALL (part), STRAIGHT (outline at its ends),
-        EVEN (width beside it), USED (its corners, by shorter cuts).
+        EVEN (width beside it, or beside the piece that it would halve), USED (its corners, by shorter cuts).
     outline : Outline
         The finest one.
     """
@@ -217,7 +223,10 @@ def natural(
     # the larger part first (Hoffman and Singh: relative size), so that both ends of a U are cut alike.
     first = np.round(np.log(length[left] / np.sqrt(bend[left])), 9)
     order = left[np.lexsort((left, -np.round(share[large[left]], 9), first))]
-    verdict[order] = one_by_one(polygons, outline, corner[order], length[order], plane, terms, area, smallest)
+    halves = (share[large] > HALF) & (length > NARROW * np.sqrt(area[polygon[large]]))
+    verdict[order] = one_by_one(
+        polygons, outline, corner[order], length[order], halves[order], plane, terms, area, smallest
+    )
     why[large] = verdict
     return Natural(why == KEPT, measured, share, why, outline)
 
@@ -527,6 +536,7 @@ def one_by_one(
     outline: Outline,
     corner: np.ndarray,
     length: np.ndarray,
+    halves: np.ndarray,
     plane: np.ndarray,
     terms: tuple,
     area: np.ndarray,
@@ -535,7 +545,8 @@ def one_by_one(
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
     A diagonal is cut if its bends, measured on the outline of the piece in which it lies, still sum
-    to LEFT, and if both pieces that it leaves are large enough.
+    to LEFT, if the outline opens up on one side of one that halves a body, and if both pieces that it leaves
+    are large enough.
 
     Parameters
     ----------
@@ -544,6 +555,8 @@ def one_by_one(
     corner : (k, 2) int
         The ends of the diagonals, the first to cut first.
     length : (k,) float
+    halves : (k,) bool
+        Those that would halve a body: wide, and with much of the area on both sides.
     plane : (c, 2) float
         The corners in a plane with true areas, near its origin.
     terms : (c,) float, (r,) float
@@ -554,7 +567,7 @@ def one_by_one(
     Returns
     -------
     (k,) int8
-        KEPT where it is cut; USED or SMALL.
+        KEPT where it is cut; USED, EVEN or SMALL.
 
     Notes
     -----
@@ -571,7 +584,8 @@ def one_by_one(
     >>> outline = generalised(xy, xy, polygons.offsets, np.ones(8), np.zeros(1))
     >>> terms = running((x * y2 - x2 * y) / 2.0, polygons.offsets)
     >>> ends = np.array([[1, 4], [4, 7]])
-    >>> why = one_by_one(polygons, outline, ends, np.ones(2), xy, terms, np.array([3.0]), np.array([0.1]))
+    >>> halves, area, smallest = np.zeros(2, dtype=bool), np.array([3.0]), np.array([0.1])
+    >>> why = one_by_one(polygons, outline, ends, np.ones(2), halves, xy, terms, area, smallest)
     >>> why.tolist() == [KEPT, USED]
     True
     """
@@ -595,12 +609,20 @@ def one_by_one(
     for k, ((u, v), (at_u, at_v), reach) in enumerate(zip(ends, turn, (REACH * length).tolist())):
         i, j = bisect(cuts.get(u, ()), at_u), bisect(cuts.get(v, ()), at_v)
         a, b = pieces.get(u, (u,))[i], pieces.get(v, (v,))[j]
-        bend = sum(
-            _bend_at(point[x], _walk(x, before, point, reach), _walk(x, after, point, reach)) for x in (a, b)
+        (back_a, on_a), (back_b, on_b) = (
+            (_walk(x, before, point, reach), _walk(x, after, point, reach)) for x in (a, b)
         )
+        bend = _bend_at(point[a], back_a, on_a) + _bend_at(point[b], back_b, on_b)
         if bend < LEFT:
             verdict[k] = USED
             continue
+        if halves[
+            k
+        ]:  # beside an even limb a side has two right angles; what both have more sums to the bends
+            one = _bend_at(point[a], point[b], on_a) + _bend_at(point[b], back_b, point[a]) + 180.0
+            if max(one, bend - one) + max(min(one, bend - one), 0.0) / 2.0 < OPEN:
+                verdict[k] = EVEN
+                continue
         # without holes the two labels are one; a hole may still have that of a larger piece
         piece = min(label[a], label[b], key=area.__getitem__)
         begin, of_piece = _shorter_way(a, b, after, term)

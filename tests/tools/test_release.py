@@ -37,12 +37,12 @@ def test_metadata_has_the_owners_words_and_the_changes(release):
         release.metadata(
             text,
             owner.replace("%25", ""),
-            f"# Changes\n\n## {version}\n\n* `TAU` by 3 %.\n\n## 0.0.1\n\n* Old.\n",
+            f"# Changes\n\n## {version}\n\n* `TAU` by 3 %, [see](docs/x.md).\n\n## 0.0.1\n\n* Old.\n",
         )
     )
     assert found["author"] == "Ada" and found["email"] == "ada@lovelace.org"
     assert found["name"] == "Isthmus" and found["version"] == version
-    assert f"Version {version}" in found["changelog"] and "TAU by 3 per cent" in found["changelog"]
+    assert f"Version {version}" in found["changelog"] and "TAU by 3 per cent, see." in found["changelog"]
     assert "Old" not in found["changelog"]
     with pytest.raises(SystemExit, match="no section for version"):
         release.metadata(text, owner.replace("%25", ""), "# Changes\n\n## 0.0.1\n")

@@ -78,6 +78,40 @@ def test_a_shallow_bump_with_sharp_corners_is_a_part():
     assert prepared.detour.max() < 1.2
 
 
+@pytest.mark.parametrize("angle", (0.0, 90.0, 37.0))
+@pytest.mark.parametrize("mirrored", (False, True))
+def test_a_body_is_not_halved_at_a_shallow_corner(monkeypatch, angle, mirrored):
+    # a van: windscreen and bonnet meet above the end of a wheel, which is too shallow for a part
+    wheel = np.radians(np.arange(36, 145, 12))
+    wheel = np.column_stack((14 - 4 * np.cos(wheel), 1.6 - 4 * np.sin(wheel)))
+    top = [(36, 0), (36, 16), (24, 15), (20, 8), (0, 5)]
+    ring = shapely.segmentize(shapely.Polygon([(0, 0), (10.3, 0), *wheel, (17.7, 0), *top]), 1.5)
+    z = shapely.get_coordinates(ring)[:-1] @ (1.0, 1j)
+    z = (z.conj() if mirrored else z) * np.exp(1j * np.radians(angle))
+    van = shapes.shape(np.column_stack((z.real, z.imag)))
+
+    def shares():
+        prepared = natural(van)[0]
+        return prepared.share[select(prepared, 1.0).selected].tolist()
+
+    assert shares() == []
+    monkeypatch.setattr(stage, "HALF", 0.5)
+    assert max(shares()) > 0.35, "without the rule it is cut across"
+
+
+@pytest.mark.parametrize(
+    "ring, cut",
+    (
+        ([(0, 0), (6, 0), (6, 1), (1, 1), (1, 6), (0, 6), (0, 1)], ((0, 1), (1, 1))),  # two even legs
+        ([(0, 0), (7, 3), (14, 0), (14, 12), (7, 9), (0, 12)], None),  # a waist, hardly narrower
+        ([(0, 0), (4, 3), (8, 0), (8, 12), (4, 9), (0, 12)], ((4, 3), (4, 9))),  # as wide, but it opens up
+        ([(0, 0), (20, 4.4), (40, 0), (40, 10), (20, 5.6), (0, 10)], ((20, 4.4), (20, 5.6))),  # narrow
+    ),
+)
+def test_what_halves_a_body_is_cut_where_that_opens_up(ring, cut):
+    assert cuts(shapes.shape(ring)) == ({pair(*cut)} if cut else set())
+
+
 BLOCKS = {
     "U": (
         [(0, 0), (1, 0), (3, 0), (4, 0), (4, 1), (4, 3), (3, 3), (3, 1), (1, 1), (1, 3), (0, 3), (0, 1)],
