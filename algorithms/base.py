@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from qgis.core import (
+    NULL,
     QgsProcessingAlgorithm,
     QgsProcessingException,
     QgsProcessingOutputNumber,
@@ -80,11 +81,17 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def with_names(self, parameters):
         """Return parameters in which a choice has its name, though its number was given.
 
-        QGIS takes the numbers of other tools' choices, but not of those that have names.
+        QGIS takes the numbers of other tools' choices, but not of those that have names. Of an optional
+        number that is NULL or no text it would make 0, not the default.
         """
         named = dict(parameters)
         for definition in self.parameterDefinitions():
-            if isinstance(definition, QgsProcessingParameterEnum) and definition.name() in named:
+            if definition.name() not in named:
+                continue
+            if isinstance(definition, QgsProcessingParameterNumber) and definition.flags() & OPTIONAL:
+                if named[definition.name()] in ("", NULL):
+                    named[definition.name()] = None
+            if isinstance(definition, QgsProcessingParameterEnum):
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
         return named
 
@@ -216,6 +223,16 @@ def _without_frames(process):
     return processAlgorithm
 
 
+def grouped(number, form=","):
+    """Return a number with its digits in groups of three."""
+    return format(number, form).replace(",", tr(","))  # elsewhere a comma stands before decimals
+
+
+def amount(value):
+    """Return a size or a cost as text: 1,234,567 or 12.3457."""
+    return grouped(value, ",.0f") if 1000.0 <= abs(value) < 1e15 else f"{value:.6g}"
+
+
 def counted(number, what):
     """Return "1 area" or "2 areas"."""
-    return f"{number:,} {tr(what if number == 1 else f'{what}s')}"
+    return f"{grouped(number)} {tr(what if number == 1 else f'{what}s')}"

@@ -44,8 +44,13 @@ def load_translation(language=None):
 
 
 def help_url(name="README"):
-    """Return the address of a page of the reference: in the zip as HTML, in a checkout as it is written."""
-    for path in (ROOT / "help" / f"{name}.html", ROOT / "docs" / "reference" / f"{name}.md"):
-        if path.exists():
-            return QUrl.fromLocalFile(str(path)).toString()
+    """Return the address of a page of the reference: in the zip as HTML, in a checkout as it is written.
+
+    It is in QGIS's language where there is such a page.
+    """
+    for folder, suffix in ((ROOT / "help", "html"), (ROOT / "docs" / "reference", "md")):
+        for language in (QgsApplication.locale()[:2], "."):
+            path = folder / language / f"{name}.{suffix}"
+            if path.exists():
+                return QUrl.fromLocalFile(str(path)).toString()
     return ""

@@ -34,12 +34,15 @@ class Metric(NamedTuple):
         ``(n, 2)`` coordinates to ``(n, 2)`` coordinates of a plane with true areas.
     conformal : callable or None
         ``(n, 2)`` coordinates to the plane to triangulate in; None for the input's own plane.
+    degrees : float
+        Degrees in one unit of the coordinates, where they are angles.
     """
 
     positions: Callable
     length: Callable
     equal_area: Callable
     conformal: Callable | None
+    degrees: float = 1.0
 
 
 def planar() -> Metric:
@@ -54,13 +57,15 @@ def planar() -> Metric:
     return Metric(_same, _planar_length, _same, None)
 
 
-def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
-    """Return the metric of longitude and latitude in degrees on an ellipsoid.
+def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179, degrees: float = 1.0) -> Metric:
+    """Return the metric of longitude and latitude on an ellipsoid.
 
     Parameters
     ----------
     a, b : float
         Equatorial and polar radius in metres (default WGS 84).
+    degrees : float
+        In one unit of the coordinates: 0.9 for grads.
 
     Examples
     --------
@@ -74,8 +79,11 @@ def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
     e = np.sqrt(e2)
     radius = (2.0 * a + b) / 3.0
 
+    def radians(angle):
+        return np.radians(angle * degrees)
+
     def positions(xy):
-        lon, lat = np.radians(xy[:, 0]), np.radians(xy[:, 1])
+        lon, lat = radians(xy[:, 0]), radians(xy[:, 1])
         normal = a / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
         flat = normal * np.cos(lat)
         return np.column_stack((flat * np.cos(lon), flat * np.sin(lon), normal * (1.0 - e2) * np.sin(lat)))
@@ -94,16 +102,16 @@ def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179) -> Metric:
         return (1.0 - e2) / 2.0 * (sin_lat / (1.0 - e2 * sin_lat**2) + np.arctanh(e * sin_lat) / e)
 
     def equal_area(xy):
-        return a * np.column_stack((np.radians(xy[:, 0]), authalic(np.sin(np.radians(xy[:, 1])))))
+        return a * np.column_stack((radians(xy[:, 0]), authalic(np.sin(radians(xy[:, 1])))))
 
     def conformal(xy):
-        sin_lat = np.sin(np.radians(xy[:, 1]))
+        sin_lat = np.sin(radians(xy[:, 1]))
         isometric = np.arctanh(sin_lat)
         if e2 > 0.0:
             isometric -= e * np.arctanh(e * sin_lat)
-        return np.column_stack((xy[:, 0], np.degrees(isometric)))
+        return np.column_stack((xy[:, 0], np.degrees(isometric) / degrees))
 
-    return Metric(positions, length, equal_area, conformal)
+    return Metric(positions, length, equal_area, conformal, degrees)
 
 
 def _same(xy):

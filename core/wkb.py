@@ -11,9 +11,9 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
-from .rings import closed
+from .rings import closed, offsets_of
 
-__all__ = ["Runs", "header", "lines", "polygons", "width"]
+__all__ = ["Runs", "header", "joined", "lines", "polygons", "width"]
 
 _COUNT = struct.Struct("<I")
 
@@ -221,3 +221,34 @@ class Runs:
         self.counts.append(count)
         self._places.append((place, size))
         return place + 8 * count * size
+
+
+def joined(runs: Sequence[Runs]) -> tuple[np.ndarray, np.ndarray, list[list[int]]]:
+    """Join the runs of several geometries.
+
+    Returns
+    -------
+    xy : (k, 2) float
+        The points of all runs.
+    offsets : (r + 1,) int
+        Where each run starts.
+    polygons : list of list of int
+        The runs that are rings of each polygon, its shell first.
+
+    Examples
+    --------
+    Two squares, each a ring with its closing point.
+
+    >>> xy, four = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]), np.array([0, 4])
+    >>> (square,) = polygons(xy, np.arange(4), four, np.array([0, 1]), [0], False)
+    >>> xy, offsets, rings = joined([Runs(square), Runs(square)])
+    >>> len(xy), offsets.tolist(), rings
+    (10, [0, 5, 10], [[0], [1]])
+    """
+    rings: list[list[int]] = []
+    first = 0
+    for one in runs:
+        rings += [[first + ring for ring in its] for its in one.polygons]
+        first += len(one.counts)
+    xy = np.concatenate([np.empty((0, 2)), *(one.xy for one in runs)])
+    return xy, offsets_of([count for one in runs for count in one.counts]), rings

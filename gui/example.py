@@ -2,7 +2,7 @@
 
 from qgis.core import QgsCoordinateTransform, QgsProcessing, QgsProject, QgsVectorLayer
 
-from ..algorithms.base import RESOURCES
+from ..algorithms.base import RESOURCES, counted
 from ..algorithms.words import tr
 
 EXAMPLE = RESOURCES / "example.geojson"  # of Natural Earth 1:10m, public domain
@@ -30,8 +30,8 @@ def try_example(iface):
     canvas.refresh()
     iface.messageBar().pushSuccess(
         "Isthmus",
-        tr("{parts} parts, {cuts} cuts. Now try it on a layer of yours: Plugins > Isthmus.").format(
-            parts=results["PART_COUNT"], cuts=results["CUT_COUNT"]
+        tr("{}, {}. Now try it on a layer of yours: Plugins > Isthmus.").format(
+            counted(results["PART_COUNT"], "part"), counted(results["CUT_COUNT"], "cut")
         ),
     )
     return results

@@ -41,8 +41,9 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..algorithms.base import counted
 from ..algorithms.partition.cutting import PLACES, SMALLEST
-from ..algorithms.words import tr
+from ..algorithms.words import spoken, tr
 from ..core.errors import Cancelled
 from ..core.progress import checker
 from .task import Task
@@ -81,7 +82,8 @@ class Panel(QgsDockWidget):
         self.band.setColor(COLOUR)
         self.band.setWidth(3)
         self._build()
-        self.layer_box.layerChanged.connect(self.forget)
+        self.layer_box.layerChanged.connect(self._chosen)
+        QgsProject.instance().layersRemoved.connect(self._removed)
         self.find_button.clicked.connect(self.find)
         self.slider.valueChanged.connect(self.update_cuts)
         self.slider.sliderReleased.connect(self.update_cuts)
@@ -140,7 +142,17 @@ class Panel(QgsDockWidget):
 
     # --- finding -------------------------------------------------------------------------------------
 
-    def forget(self, _layer=None):
+    def _chosen(self, layer):
+        # the box says so, too, where other layers have come or gone
+        if self.asked is None or layer is not self.asked["INPUT"]:
+            self.forget()
+
+    def _removed(self, ids):
+        # of this the box says nothing where another layer has come before
+        if self.asked is not None and self.asked["id"] in ids:
+            self.forget()
+
+    def forget(self):
         """Take the cuts of another layer off the map."""
         if self.task is not None:
             self.task.cancel()
@@ -169,8 +181,8 @@ class Panel(QgsDockWidget):
         if layer is None:
             return None
         self.asked = asked = {
-            "INPUT": layer, "PLACES": self.places_box.currentData(),
-            "SMALLEST_PART": self.smallest_box.value(), "selected": self.only_selected.isChecked(),
+            "INPUT": layer, "id": layer.id(), "selected": self.only_selected.isChecked(),
+            "PLACES": self.places_box.currentData(), "SMALLEST_PART": self.smallest_box.value(),
         }  # fmt: skip
         source, crs, request = QgsVectorLayerFeatureSource(layer), layer.crs(), QgsFeatureRequest()
         if asked["selected"]:
@@ -250,17 +262,16 @@ class Panel(QgsDockWidget):
                 self.text.setText(tr("tau = {tau:g}").format(tau=self.tau()))
                 return
             self.shown = self.preview.at_tau(self.tau())
-            text = tr("tau = {tau:g}: {parts} parts, {cuts} cuts").format(
-                tau=self.tau(), parts=self.shown.parts, cuts=self.shown.cuts
-            )
+            text = tr("tau = {tau:g}").format(tau=self.tau())
         else:
             self.shown = self.preview.at_parts(self.slider.value())
-            text = tr("{wanted} parts of each feature: {parts} parts, {cuts} cuts").format(
-                wanted=self.slider.value(), parts=self.shown.parts, cuts=self.shown.cuts
-            )
+            text = tr("{} of each feature").format(counted(self.slider.value(), "part"))
+        text += f": {counted(self.shown.parts, 'part')}, {counted(self.shown.cuts, 'cut')}"
         unsolved = self.preview.unsolved()
         if unsolved:
-            text += "\n" + tr("Not everything can be cut: {reasons}").format(reasons="; ".join(unsolved))
+            text += "\n" + tr("Not everything can be cut: {reasons}").format(
+                reasons="; ".join(map(spoken, unsolved))
+            )
         self.text.setText(text)
         self.draw()
 
@@ -339,6 +350,7 @@ class Panel(QgsDockWidget):
         """Take the panel and its cuts out of the window."""
         self.forget()
         self.canvas.destinationCrsChanged.disconnect(self.draw)
+        QgsProject.instance().layersRemoved.disconnect(self._removed)
         self.canvas.scene().removeItem(self.band)
         self.iface.removeDockWidget(self)
         self.deleteLater()

@@ -4,6 +4,10 @@
  <context>
   <name>isthmus</name>
   <message>
+   <source>,</source>
+   <translation> </translation>
+  </message>
+  <message>
    <source>, or another layer of it: {}</source>
    <translation>, oder einen anderen Layer darin: {}</translation>
   </message>
@@ -29,11 +33,11 @@
   </message>
   <message>
    <source>&lt;h3&gt;How it works&lt;/h3&gt;</source>
-   <translation>&lt;h3&gt;Wie es geht&lt;/h3&gt;</translation>
+   <translation>&lt;h3&gt;So funktioniert es&lt;/h3&gt;</translation>
   </message>
   <message>
    <source>&lt;h3&gt;How to read it&lt;/h3&gt;</source>
-   <translation>&lt;h3&gt;Wie man sie liest&lt;/h3&gt;</translation>
+   <translation>&lt;h3&gt;So liest man die Kurve&lt;/h3&gt;</translation>
   </message>
   <message>
    <source>&lt;h3&gt;Method&lt;/h3&gt;</source>
@@ -69,7 +73,7 @@
   </message>
   <message>
    <source>&lt;h3&gt;What the map should be like&lt;/h3&gt;</source>
-   <translation>&lt;h3&gt;Wie die Karte sein soll&lt;/h3&gt;</translation>
+   <translation>&lt;h3&gt;Wie die Karte sein sollte&lt;/h3&gt;</translation>
   </message>
   <message>
    <source>&lt;h3&gt;Which relevant edges&lt;/h3&gt;</source>
@@ -105,7 +109,7 @@
   </message>
   <message>
    <source>&lt;p&gt;At each tau, the way along the outline and the cuts that are left is at most tau times as long as each possible cut. For a polygon without holes the persistences are exact, and at the smallest tau no solution has fewer cuts. With holes the persistences are upper bounds, and cuts that connect holes stay. No vertex is moved, and none is added unless you ask for it. What cannot be split passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Für jedes tau ist der Weg am Umriss und an den übrigen Schnitten entlang höchstens tau-mal so lang wie jeder mögliche Schnitt. Für Polygone ohne Löcher sind die Persistenzen exakt, und beim kleinsten tau kommt keine Lösung mit weniger Schnitten aus. Mit Löchern sind die Persistenzen obere Schranken, und Schnitte, die Löcher anschließen, bleiben. Kein Stützpunkt wird verschoben, und hinzugefügt wird einer nur, wenn Sie es verlangen. Was sich nicht zerlegen lässt, wird unverändert ausgegeben; der Grund steht im Feld &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Cuts lie at &lt;i&gt;natural&lt;/i&gt; places only: where the outline is concave and the polygon opens up beside the cut, as people see parts, and where no side is smaller than &lt;i&gt;Smallest part&lt;/i&gt;. Lengths of the outline are then measured without the detail that is much smaller. Choose &lt;i&gt;Any&lt;/i&gt; and 0 for the problem of the paper, where every diagonal counts; detours then grow with the detail of the outline, and tau should be 4 or more.&lt;/p&gt;</source>
@@ -137,7 +141,7 @@
   </message>
   <message>
    <source>&lt;p&gt;Go through the curve from large tau to small. A step where the detour falls a lot for one more cut has found a real neck; then follows a long stretch where nothing changes. Where steps come thick and fast, the cuts no longer fall on necks but nibble at every bay. Good values of tau lie at the end of a long stretch.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Gehen Sie die Kurve von großem zu kleinem tau durch. Eine Stufe, an der der Umweg für einen weiteren Schnitt stark fällt, hat eine wirkliche Engstelle gefunden; dann folgt eine lange Strecke, auf der sich nichts ändert. Wo die Stufen dicht aufeinander folgen, liegen die Schnitte nicht mehr an Engstellen, sondern knabbern an jeder Bucht. Gute Werte von tau liegen am Ende einer langen Strecke.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Gehen Sie die Kurve von großem zu kleinem tau durch. Eine Stufe, an der der Umweg für einen weiteren Schnitt stark fällt, hat eine wirkliche Engstelle gefunden; dann folgt eine lange Strecke, auf der sich nichts ändert. Wo die Stufen dicht aufeinander folgen, liegen die Schnitte nicht mehr an Engstellen, sondern nagen an jeder Bucht. Gute Werte von tau liegen am Ende einer langen Strecke.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;It begins with the fewest cuts at the smallest tau, as &lt;i&gt;Partition polygons at bottlenecks&lt;/i&gt; finds them, and takes cuts away one by one, always the one that is needed least: whose loss leaves the smallest largest detour. That detour is the &lt;i&gt;persistence&lt;/i&gt; of the cut: up to this tau it is needed. So the parts are nested; for a single tau the fewest cuts may be one less here and there.&lt;/p&gt;</source>
@@ -169,7 +173,7 @@
   </message>
   <message>
    <source>&lt;p&gt;Measured are the diagonals of a Delaunay triangulation of the polygon (in the Mercator projection, if its coordinates are degrees) where a cut may lie, and the cuts are chosen from them. In the result the way along the outline and the cuts is at most tau times as long as each diagonal. For a polygon without holes no solution has fewer cuts. &lt;i&gt;MinLength&lt;/i&gt; and &lt;i&gt;MinWeight&lt;/i&gt; come with a proven lower bound of the cost; the search ends where the gap to it is as small as you ask for, or after nine minutes for each polygon on average. Holes are first joined by shortest cuts; what follows is a good solution, not always the best, and the lower bound is that of the polygon opened along these cuts.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Gemessen werden die Diagonalen einer Delaunay-Triangulation des Polygons (in der Mercatorprojektion, wenn seine Koordinaten Grad sind), wo ein Schnitt liegen darf, und aus ihnen werden die Schnitte gewählt. Im Ergebnis ist der Weg am Umriss und an den Schnitten entlang höchstens tau-mal so lang wie jede Diagonale. Für ein Polygon ohne Löcher kommt keine Lösung mit weniger Schnitten aus. Zu &lt;i&gt;MinLength&lt;/i&gt; und &lt;i&gt;MinWeight&lt;/i&gt; gehört eine bewiesene untere Schranke der Kosten; die Suche endet, wo der Abstand zu ihr so klein ist wie verlangt, oder nach durchschnittlich neun Minuten je Polygon. Löcher werden zuerst durch kürzeste Schnitte angeschlossen; was folgt, ist eine gute, nicht immer die beste Lösung, und die untere Schranke ist die des Polygons, das an diesen Schnitten geöffnet ist.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Gemessen werden die Diagonalen einer Delaunay-Triangulation des Polygons (in der Mercatorprojektion, wenn seine Koordinaten Grad sind), wo ein Schnitt liegen darf, und aus ihnen werden die Schnitte gewählt. Im Ergebnis ist der Weg am Umriss und an den Schnitten entlang höchstens tau-mal so lang wie jede Diagonale. Für ein Polygon ohne Löcher kommt keine Lösung mit weniger Schnitten aus. Zu &lt;i&gt;MinLength&lt;/i&gt; und &lt;i&gt;MinWeight&lt;/i&gt; gehört eine bewiesene untere Schranke der Kosten; die Suche endet, sobald der Abstand zu ihr so klein ist wie verlangt, oder nach durchschnittlich neun Minuten je Polygon. Löcher werden zuerst durch kürzeste Schnitte angeschlossen; was folgt, ist eine gute, nicht immer die beste Lösung, und die untere Schranke ist die des Polygons, das an diesen Schnitten geöffnet ist.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Multipart features are split part by part. What cannot be split (invalid geometry, for one) passes through unchanged, with the reason in the field &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
@@ -189,11 +193,11 @@
   </message>
   <message>
    <source>&lt;p&gt;Takes the pieces of &lt;i&gt;Prepare areas for aggregation&lt;/i&gt;, too: pieces of one area that end in one region are merged again.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Nimmt auch die Stücke von &lt;i&gt;Flächen für die Zusammenfassung vorbereiten&lt;/i&gt;: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Nimmt auch die Stücke von &lt;i&gt;Flächen zum Zusammenfassen vorbereiten&lt;/i&gt;: Stücke einer Fläche, die in derselben Region enden, werden wieder vereinigt.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The areas should fill the map without overlaps and gaps; what is found of these is counted and reported. Vertices of neighbours need not match: a vertex of one may lie inside an edge of the other. No vertex is moved, and none is added unless you ask for it: then neighbours get it too. So what neighbours share they still share. An area that cannot be cut (invalid, for one) passes through in one piece, with the reason in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben, und keiner hinzugefügt, wenn Sie es nicht verlangen: dann bekommen ihn auch die Nachbarn. Was Nachbarn gemeinsam haben, haben sie so weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Die Flächen sollen die Karte ohne Überlappungen und Lücken füllen; was davon gefunden wird, wird gezählt und gemeldet. Die Stützpunkte von Nachbarn müssen nicht übereinstimmen: Ein Stützpunkt des einen darf in einer Kante des anderen liegen. Kein Stützpunkt wird verschoben, und hinzugefügt wird einer nur, wenn Sie es verlangen: dann bekommen ihn auch die Nachbarn. Was Nachbarn gemeinsam haben, haben sie so weiterhin gemeinsam. Eine Fläche, die sich nicht zerlegen lässt (etwa weil sie ungültig ist), wird in einem Stück ausgegeben; der Grund steht in &lt;i&gt;status&lt;/i&gt;.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The dual problem of J.-H. Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 2.&lt;/p&gt;</source>
@@ -205,7 +209,7 @@
   </message>
   <message>
    <source>&lt;p&gt;The region has exactly the scale asked for, or nothing is written and the tool says why. No triangle is turned over: no lines cross that did not cross before, and polygons stay valid. Where the end or a point of one line lies on another without being a point of it, or lines cross, the line gets a point there, so that they stay together. The numbers tell how much the triangles of the polygons are distorted: the change of angles that half, and 95 %, of the area do not exceed.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Die Region hat genau den verlangten Maßstab, oder es wird nichts geschrieben und das Werkzeug sagt, warum. Kein Dreieck wird umgeklappt: Es kreuzen sich keine Linien, die sich nicht schon vorher kreuzten, und Polygone bleiben gültig. Wo das Ende oder ein Punkt einer Linie auf einer anderen liegt, ohne ein Punkt von ihr zu sein, oder wo sich Linien kreuzen, bekommt die Linie dort einen Punkt, damit sie zusammenbleiben. Die Zahlen sagen, wie stark die Dreiecke der Polygone verzerrt sind: die Änderung der Winkel, die auf der Hälfte und auf 95 % der Fläche nicht überschritten wird.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Die Region hat genau die verlangte Vergrößerung, oder es wird nichts geschrieben und das Werkzeug sagt, warum. Kein Dreieck wird umgeklappt: Es kreuzen sich keine Linien, die sich nicht schon vorher kreuzten, und Polygone bleiben gültig. Wo das Ende oder ein Punkt einer Linie auf einer anderen liegt, ohne ein Punkt von ihr zu sein, oder wo sich Linien kreuzen, bekommt die Linie dort einen Punkt, damit sie zusammenbleiben. Die Zahlen sagen, wie stark die Dreiecke der Polygone verzerrt sind: die Änderung der Winkel, die auf der Hälfte und auf 95 % der Fläche nicht überschritten wird.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The region may be a feature of the map: choose the same layer, and tick &lt;i&gt;Selected features only&lt;/i&gt;. A map in degrees is solved in an equidistant cylindrical projection, true at its middle latitude, and comes back in degrees; a projected CRS shows better what you get.&lt;/p&gt;</source>
@@ -213,7 +217,7 @@
   </message>
   <message>
    <source>&lt;p&gt;The report marks the five steps that pay off most: the largest fall of the detour (on a logarithmic scale) for what they cost more.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Der Bericht hebt die fünf Stufen hervor, die sich am meisten lohnen: an denen der Umweg (auf logarithmischer Skala) für die Mehrkosten am stärksten fällt.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Der Bericht hebt die fünf Stufen hervor, die sich am meisten lohnen: an denen der Umweg (auf logarithmischer Skala) im Verhältnis zu den Mehrkosten am stärksten sinkt.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The style of the parts shows the level of the project variable &lt;i&gt;isthmus_tau&lt;/i&gt; (Project, Properties, Variables), or that of tau = 3. For a slider on it, enter this line in the Python console:&lt;/p&gt;</source>
@@ -237,11 +241,11 @@
   </message>
   <message>
    <source>&lt;p&gt;What the region gains, the rest has to give, or the map becomes larger: by &lt;i&gt;Growth of the map&lt;/i&gt; at most, and by no more than it needs so that what is around the region bends as little for a small region as for a large one, at any scale. With no growth at all the extent is kept, and what lies between the region and the edge gets thin.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig, damit sich das, was um die Region liegt, bei einer kleinen Region so wenig verbiegt wie bei einer großen, in jedem Maßstab. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Was die Region gewinnt, muss das Übrige hergeben, oder die Karte wird größer: höchstens um das &lt;i&gt;Wachstum der Karte&lt;/i&gt;, und nicht mehr als nötig, damit sich das, was um die Region liegt, bei einer kleinen Region so wenig verbiegt wie bei einer großen, bei jeder Vergrößerung. Ganz ohne Wachstum bleibt die Ausdehnung, und was zwischen der Region und dem Rand liegt, wird schmal.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;You set one number, the &lt;i&gt;largest detour&lt;/i&gt; (tau). Two points on opposite sides of a neck are close to each other, but the way along the outline is long: many times longer than the straight line. The tool finds the smallest number of cuts that leaves no place with a detour above tau. Cuts join existing vertices: no vertex is moved, none is added unless you ask for it, and the parts fit together exactly.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben, keiner hinzugefügt, wenn Sie es nicht verlangen, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
+   <translation>&lt;p&gt;Sie geben eine einzige Zahl vor, den &lt;i&gt;größten Umweg&lt;/i&gt; (tau). Zwei Punkte auf den beiden Seiten einer Engstelle liegen nah beieinander, aber der Weg am Umriss entlang ist weit: viele Male so lang wie die gerade Linie. Das Werkzeug findet die kleinste Anzahl von Schnitten, nach denen es nirgends einen größeren Umweg als tau gibt. Schnitte verbinden vorhandene Stützpunkte: Keiner wird verschoben, hinzugefügt wird einer nur, wenn Sie es verlangen, und die Teile passen genau aneinander.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;from qgis.PyQt.QtWidgets import QSlider; slider = QSlider(); slider.setRange(10, 300); slider.valueChanged.connect(lambda value: (QgsExpressionContextUtils.setProjectVariable(QgsProject.instance(), "isthmus_tau", value / 10), iface.mapCanvas().refreshAllLayers())); slider.show()&lt;/p&gt;</source>
@@ -253,11 +257,11 @@
   </message>
   <message>
    <source>A feature of {} could not be written: {}</source>
-   <translation>Ein Objekt von {} konnte nicht geschrieben werden: {}</translation>
+   <translation>Ein Objekt aus {} konnte nicht geschrieben werden: {}</translation>
   </message>
   <message>
    <source>A long flat stretch means that nothing more is to be gained for a while: good values of tau lie at its left end. Red dots mark the steps that pay off most, the largest fall of the detour (on a logarithmic scale) for what they cost more.</source>
-   <translation>Ein langes flaches Stück heißt, dass eine Weile lang nichts mehr zu gewinnen ist: Gute Werte von tau liegen an seinem linken Ende. Rote Punkte zeigen die Stufen, die sich am meisten lohnen: Dort sinkt der Umweg (logarithmisch) am stärksten für das, was sie mehr kosten.</translation>
+   <translation>Ein langes flaches Stück heißt, dass eine Weile lang nichts mehr zu gewinnen ist: Gute Werte von tau liegen an seinem linken Ende. Rote Punkte zeigen die Stufen, die sich am meisten lohnen: Dort sinkt der Umweg (logarithmisch) im Verhältnis zu den Mehrkosten am stärksten.</translation>
   </message>
   <message>
    <source>A page with a plot for each feature and the steps that pay off most.</source>
@@ -281,7 +285,7 @@
   </message>
   <message>
    <source>A table with a row for each step: source (id of the feature), tau (the least dilation achievable at this cost), cuts, length, cost, largest_part_share (the area of the largest part in that of the feature).</source>
-   <translation>Eine Tabelle mit einer Zeile für jede Stufe: source (ID des Objekts), tau (die kleinste zu diesen Kosten erreichbare Dilatation), cuts, length, cost, largest_part_share (Anteil des größten Teils an der Fläche des Objekts).</translation>
+   <translation>Eine Tabelle mit einer Zeile für jede Stufe: source (ID des Objekts), tau (der kleinste Umweg, der zu diesen Kosten erreichbar ist), cuts, length, cost, largest_part_share (Anteil des größten Teils an der Fläche des Objekts).</translation>
   </message>
   <message>
    <source>A table with the fields class and threshold (square metres). A class whose threshold is empty may not appear in the result.</source>
@@ -290,6 +294,10 @@
   <message>
    <source>A table with the fields from, to and distance. Where only one direction is listed, it is used for both.</source>
    <translation>Eine Tabelle mit den Feldern from, to und distance. Steht nur eine Richtung darin, gilt sie für beide.</translation>
+  </message>
+  <message>
+   <source>Advanced.</source>
+   <translation>Erweitert.</translation>
   </message>
   <message>
    <source>Aggregate areas</source>
@@ -301,11 +309,11 @@
   </message>
   <message>
    <source>Aggregation of {}</source>
-   <translation>Zusammenfassung von {}</translation>
+   <translation>Flächenaggregation: {}</translation>
   </message>
   <message>
    <source>All candidate diagonals</source>
-   <translation>Alle möglichen Diagonalen</translation>
+   <translation>Alle möglichen Schnitte</translation>
   </message>
   <message>
    <source>All features and fields of the map.</source>
@@ -368,12 +376,16 @@
    <translation>Flächen über der halben Mindestgröße ihrer Klasse, und wie viele von ihnen sie (mit mehr als der halben Fläche) verloren haben.</translation>
   </message>
   <message>
+   <source>Areas above half of the minimum size that lost their class: {} of {}{}.</source>
+   <translation>Flächen über der Hälfte der Mindestgröße, die ihre Klasse verloren haben: {} von {}{}.</translation>
+  </message>
+  <message>
    <source>Areas before, regions after, with their sizes in hectares.</source>
    <translation>Flächen vorher, Regionen nachher, mit ihrer Größe in Hektar.</translation>
   </message>
   <message>
    <source>Areas that fill a map, or the pieces of Prepare areas for aggregation.</source>
-   <translation>Flächen, die eine Karte füllen, oder die Stücke von „Flächen für die Zusammenfassung vorbereiten“.</translation>
+   <translation>Flächen, die eine Karte füllen, oder die Stücke von „Flächen zum Zusammenfassen vorbereiten“.</translation>
   </message>
   <message>
    <source>Areas with their regions</source>
@@ -386,6 +398,10 @@
   <message>
    <source>Before: every area a region of its own. The share is that of the cost after.</source>
    <translation>Vorher: jede Fläche als eigene Region. Der Anteil bezieht sich auf die Kosten nachher.</translation>
+  </message>
+  <message>
+   <source>Beside another area, but with no boundary in common because of a gap or an overlap: {}, such as area {} beside area {}. Gaps may be too narrow to be seen. Close them first, by v.clean or Snap geometries to layer.</source>
+   <translation>Neben einer anderen Fläche, aber wegen einer Lücke oder Überlappung ohne gemeinsame Grenze: {}, etwa Fläche {} neben Fläche {}. Lücken können so schmal sein, dass man sie nicht sieht. Bitte zuerst schließen, mit v.clean oder „Geometrien an Layer einrasten“.</translation>
   </message>
   <message>
    <source>Blocks, floor plans and generalised outlines often have no vertex opposite a neck. With this, a cut may also end at the foot of a perpendicular from a concave vertex on the edge opposite. Only those where a cut ends are added, with Z and M interpolated, and the parts of the levels without this cut do not have them. Neighbours in the layer do not get them.</source>
@@ -417,7 +433,7 @@
   </message>
   <message>
    <source>Candidate line {} was left out: {}.</source>
-   <translation>Die Linie {} der Auswahl wurde weggelassen: {}.</translation>
+   <translation>Die Linie {} zur Auswahl wurde weggelassen: {}.</translation>
   </message>
   <message>
    <source>Carried layers</source>
@@ -429,7 +445,7 @@
   </message>
   <message>
    <source>Class field</source>
-   <translation>Feld der Klasse</translation>
+   <translation>Klassenfeld</translation>
   </message>
   <message>
    <source>Classes</source>
@@ -438,6 +454,10 @@
   <message>
    <source>Classes that may not appear in the result, separated by commas.</source>
    <translation>Klassen, die im Ergebnis nicht vorkommen dürfen, durch Kommas getrennt.</translation>
+  </message>
+  <message>
+   <source>Classes without any region: {}{}.</source>
+   <translation>Klassen ohne Region: {}{}.</translation>
   </message>
   <message>
    <source>Copy the command</source>
@@ -468,8 +488,8 @@
    <translation>Kosten über tau</translation>
   </message>
   <message>
-   <source>Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % of the area changed its class.</source>
-   <translation>Kosten {:.6g}: Klassenwechsel {:.6g}, Grenzen {:.6g}, Entfernung vom Zentrum {:.6g}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
+   <source>Cost {}: class change {}, boundary {}, centre distance {}. {}; {:.2f} % of the area changed its class.</source>
+   <translation>Kosten {}: Klassenwechsel {}, Grenzen {}, Entfernung vom Zentrum {}. {}; {:.2f} % der Fläche haben die Klasse gewechselt.</translation>
   </message>
   <message>
    <source>Cuts</source>
@@ -505,7 +525,7 @@
   </message>
   <message>
    <source>Detour trade-off of {}</source>
-   <translation>Umweg und Kosten: {}</translation>
+   <translation>Umwegkurve: {}</translation>
   </message>
   <message>
    <source>Distance of classes</source>
@@ -525,7 +545,7 @@
   </message>
   <message>
    <source>Every candidate, with its detour before any cut, its dilation in the solution, and its role: SELF is a cut; LEAF and ROOT tell on which side the way around lies.</source>
-   <translation>Jede mögliche Diagonale, mit ihrem Umweg vor allen Schnitten, ihrer Dilatation in der Lösung und ihrer Rolle: SELF ist ein Schnitt; LEAF und ROOT sagen, auf welcher Seite der Weg herum liegt.</translation>
+   <translation>Jeder mögliche Schnitt, mit seinem Umweg vor allen Schnitten (detour), dem Umweg, der in der Lösung bleibt (dilation), und seiner Rolle (role): SELF wird geschnitten; LEAF und ROOT sagen, auf welcher Seite der Weg herum liegt.</translation>
   </message>
   <message>
    <source>Every part of every level once, with all fields of the polygons, and part (its number in the feature, by level and size), parent (the part that it becomes a piece of; empty for those that stay), level (0 is the finest; that in which it comes up), from_tau and to_tau (it is there where from_tau &lt;= tau &lt; to_tau), source (the id of the feature) and status (empty, or why a polygon was not cut).</source>
@@ -569,7 +589,7 @@
   </message>
   <message>
    <source>Feature {}: the search ended at a gap of {:.3g} per cent between the cost and its proven lower bound, its limit of time or memory being reached.</source>
-   <translation>Objekt {}: Die Suche endete mit einer Lücke von {:.3g} Prozent zwischen den Kosten und ihrer bewiesenen unteren Schranke, da die Grenze für Zeit oder Speicher erreicht war.</translation>
+   <translation>Objekt {}: Die Suche endete bei einem Abstand von {:.3g} Prozent zwischen den Kosten und ihrer bewiesenen unteren Schranke, da die Grenze für Zeit oder Speicher erreicht war.</translation>
   </message>
   <message>
    <source>Fetch and install</source>
@@ -578,6 +598,10 @@
   <message>
    <source>Field with the area of a piece</source>
    <translation>Feld mit der Fläche eines Stücks</translation>
+  </message>
+  <message>
+   <source>Fields of {}: {}.</source>
+   <translation>Felder von {}: {}.</translation>
   </message>
   <message>
    <source>Find the cuts</source>
@@ -645,19 +669,19 @@
   </message>
   <message>
    <source>How many times as large the region becomes, exactly. Below 1 it shrinks; 1 changes nothing.</source>
-   <translation>Wievielmal so groß die Region wird, genau. Unter 1 schrumpft sie; 1 ändert nichts.</translation>
+   <translation>Wievielmal so groß die Region wird, auf den Punkt genau. Unter 1 schrumpft sie; 1 ändert nichts.</translation>
   </message>
   <message>
    <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more.</source>
-   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr.</translation>
+   <translation>Wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle (tau); mindestens 1. Kleinere Werte schneiden mehr.</translation>
   </message>
   <message>
    <source>How many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
-   <translation>Wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+   <translation>Wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle (tau); mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
    <source>How much wider and higher the frame may become, to both sides. It grows by less where less is enough: a region that takes the share f of the width lets the map grow to scale times f to the power 2/7. 0 keeps the extent. Not used where the frame is switched off.</source>
-   <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst um weniger, wo weniger genügt: Nimmt eine Region den Anteil f der Breite ein, wächst die Karte auf Maßstab mal f hoch 2/7. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
+   <translation>Um wie viel breiter und höher der Rahmen werden darf, nach beiden Seiten. Er wächst um weniger, wo weniger genügt: Nimmt eine Region den Anteil f der Breite ein, wächst die Karte auf das Maß Vergrößerung mal f hoch 2/7. 0 erhält die Ausdehnung. Ohne Rahmen nicht verwendet.</translation>
   </message>
   <message>
    <source>If these are too many, set PLACES to Natural or raise SMALLEST_PART.</source>
@@ -665,11 +689,15 @@
   </message>
   <message>
    <source>Ignore cuts below (layer units; metres if degrees)</source>
-   <translation>Kürzere Schnitte nicht (Layereinheiten; Grad: m)</translation>
+   <translation>Mindestlänge der Schnitte (Layereinheiten; Grad: m)</translation>
   </message>
   <message>
    <source>Ignore holes below (layer units²; m² if degrees)</source>
-   <translation>Kleinere Löcher nicht (Layereinheiten²; Grad: m²)</translation>
+   <translation>Mindestfläche der Löcher (Layereinheiten²; Grad: m²)</translation>
+  </message>
+  <message>
+   <source>In the CRS of the layer, {}, areas in the middle of the map are {:.2f} times as large as on the ground, and all sizes are measured in it. Use Reproject layer first, to an equal-area CRS.</source>
+   <translation>Im KBS des Layers, {}, sind Flächen in der Mitte der Karte {:.2f}-mal so groß wie in der Natur, und alle Größen werden darin gemessen. Bitte den Layer zuerst in ein flächentreues KBS reprojizieren.</translation>
   </message>
   <message>
    <source>In the folder: {names}</source>
@@ -733,7 +761,7 @@
   </message>
   <message>
    <source>Largest dilation of a candidate</source>
-   <translation>Größte Dilatation einer Diagonalen</translation>
+   <translation>Größter verbliebener Umweg</translation>
   </message>
   <message>
    <source>Largest gap to the proven lower bound (per cent)</source>
@@ -793,11 +821,19 @@
   </message>
   <message>
    <source>MinWeight needs an expression for the weight of a candidate (WEIGHT).</source>
-   <translation>MinWeight braucht einen Ausdruck für das Gewicht eines Kandidaten (WEIGHT).</translation>
+   <translation>MinWeight braucht einen Ausdruck für das Gewicht eines möglichen Schnitts (WEIGHT).</translation>
   </message>
   <message>
    <source>Minimum size (square metres)</source>
    <translation>Mindestgröße (Quadratmeter)</translation>
+  </message>
+  <message>
+   <source>Minimum size: {} square metres.</source>
+   <translation>Mindestgröße: {} Quadratmeter.</translation>
+  </message>
+  <message>
+   <source>Minimum size: {} square metres; of some classes another.</source>
+   <translation>Mindestgröße: {} Quadratmeter; bei einigen Klassen eine andere.</translation>
   </message>
   <message>
    <source>Minimum sizes by class</source>
@@ -829,23 +865,23 @@
   </message>
   <message>
    <source>No region may have a class of the map: all of them are excluded.</source>
-   <translation>Keine Region darf eine Klasse der Karte haben: alle sind ausgeschlossen.</translation>
+   <translation>Keine Region darf eine Klasse der Karte haben: Alle sind ausgeschlossen.</translation>
   </message>
   <message>
-   <source>No region reaches its minimum size: is the threshold larger than the map?</source>
-   <translation>Keine Region erreicht ihre Mindestgröße: Ist der Schwellenwert größer als die Karte?</translation>
+   <source>No region reaches its minimum size: is the threshold larger than the map? Those that hang together by shared boundaries have {} square metres at most.</source>
+   <translation>Keine Region erreicht ihre Mindestgröße: Ist die Mindestgröße größer als die Karte? Was durch gemeinsame Grenzen zusammenhängt, hat höchstens {} Quadratmeter.</translation>
   </message>
   <message>
    <source>No relevant edges for {}.</source>
    <translation>Keine relevanten Kanten für {}.</translation>
   </message>
   <message>
-   <source>No solution costs less than {:.6g}</source>
-   <translation>Keine Lösung kostet weniger als {:.6g}</translation>
+   <source>No solution costs less than {}</source>
+   <translation>Keine Lösung kostet weniger als {}</translation>
   </message>
   <message>
-   <source>No solution in which every area that is large enough by itself is a core costs less than {:.6g}</source>
-   <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {:.6g}</translation>
+   <source>No solution in which every area that is large enough by itself is a core costs less than {}</source>
+   <translation>Keine Lösung, in der jede für sich schon ausreichend große Fläche ein Kern ist, kostet weniger als {}</translation>
   </message>
   <message>
    <source>No step pays off more than another.</source>
@@ -869,7 +905,7 @@
   </message>
   <message>
    <source>Not valid (an outline crosses itself, for one): {}, {}{}. Their sizes and neighbours may be wrong. Run Fix geometries on the layer first.</source>
-   <translation>Nicht gültig (ein Umriss kreuzt sich selbst, zum Beispiel): {}, {}{}. Größen und Nachbarn können falsch sein. Führen Sie auf dem Layer zuerst „Geometrien reparieren“ aus.</translation>
+   <translation>Ungültig (etwa, weil ein Umriss sich selbst kreuzt): {}, {}{}. Größen und Nachbarn können falsch sein. Führen Sie auf dem Layer zuerst „Geometrien reparieren“ aus.</translation>
   </message>
   <message>
    <source>Nothing is missing: all tools can run.</source>
@@ -881,11 +917,11 @@
   </message>
   <message>
    <source>Number of areas above half of the minimum size that lost their class</source>
-   <translation>Flächen über der halben Mindestgröße, die ihre Klasse verloren</translation>
+   <translation>Anzahl der Flächen über der halben Mindestgröße, die ihre Klasse verloren haben</translation>
   </message>
   <message>
    <source>Number of areas not cut for a reason</source>
-   <translation>Anzahl der mit Grund nicht zerlegten Flächen</translation>
+   <translation>Anzahl der Flächen, die nicht zerlegt werden konnten</translation>
   </message>
   <message>
    <source>Number of areas without geometry or class</source>
@@ -905,11 +941,11 @@
   </message>
   <message>
    <source>Number of new crossings</source>
-   <translation>Anzahl neuer Kreuzungen</translation>
+   <translation>Anzahl der neuen Kreuzungen</translation>
   </message>
   <message>
    <source>Number of overlapping pairs of areas</source>
-   <translation>Anzahl überlappender Paare von Flächen</translation>
+   <translation>Anzahl der Paare überlappender Flächen</translation>
   </message>
   <message>
    <source>Number of parts</source>
@@ -937,23 +973,27 @@
   </message>
   <message>
    <source>Number of regions that are too small</source>
-   <translation>Anzahl zu kleiner Regionen</translation>
+   <translation>Anzahl der zu kleinen Regionen</translation>
   </message>
   <message>
    <source>Number of relevant edges</source>
-   <translation>Anzahl relevanter Kanten</translation>
+   <translation>Anzahl der relevanten Kanten</translation>
   </message>
   <message>
-   <source>Of {} above half of the minimum size, {} lost their class{}{}.</source>
-   <translation>Über der Hälfte der Mindestgröße: {}; davon haben {} die Klasse verloren{}{}.</translation>
+   <source>On the command line</source>
+   <translation>Auf der Kommandozeile</translation>
   </message>
   <message>
    <source>On: the map stays inside the extent that it has, but for the growth below, and reaches to its sides. Off: it grows as it likes, the region stays where it is, and the outermost points keep their scale.</source>
-   <translation>An: Die Karte bleibt in ihrer Ausdehnung, bis auf das Wachstum unten, und reicht bis an deren Ränder. Aus: Sie wächst, wie sie mag, die Region bleibt an ihrem Ort, und die äußersten Punkte behalten ihren Maßstab.</translation>
+   <translation>An: Die Karte bleibt in ihrer Ausdehnung, bis auf das Wachstum unten, und reicht bis an deren Ränder. Aus: Sie wächst frei, die Region bleibt an ihrem Ort, und die äußersten Punkte behalten ihren Maßstab.</translation>
   </message>
   <message>
    <source>One or more polygons around what is to become larger. A rough outline will do: what counts are the points of the map inside.</source>
    <translation>Ein oder mehrere Polygone um das, was größer werden soll. Ein grober Umriss genügt: Es zählen die Punkte der Karte darin.</translation>
+  </message>
+  <message>
+   <source>One page for each tool, written by `./run docs` from the tool itself.</source>
+   <translation>Eine Seite je Werkzeug, von `./run docs` aus dem Werkzeug selbst geschrieben.</translation>
   </message>
   <message>
    <source>Only the level with so many parts</source>
@@ -1005,7 +1045,7 @@
   </message>
   <message>
    <source>Prepare areas for aggregation</source>
-   <translation>Flächen für die Zusammenfassung vorbereiten</translation>
+   <translation>Flächen zum Zusammenfassen vorbereiten</translation>
   </message>
   <message>
    <source>Proven lower bound of the cost</source>
@@ -1016,12 +1056,16 @@
    <translation>Lese die Flächen</translation>
   </message>
   <message>
-   <source>Region to enlarge</source>
-   <translation>Region, die vergrößert wird</translation>
+   <source>Reference</source>
+   <translation>Referenz</translation>
   </message>
   <message>
-   <source>Region {} around area {} ({:.6g} square metres) could not be helped: {}.</source>
-   <translation>Region {} um Fläche {} ({:.6g} Quadratmeter) war nicht zu helfen: {}.</translation>
+   <source>Region to enlarge</source>
+   <translation>Zu vergrößernde Region</translation>
+  </message>
+  <message>
+   <source>Region {} around area {} ({} square metres) could not be helped: {}.</source>
+   <translation>Für Region {} um Fläche {} ({} Quadratmeter) gab es keine Abhilfe: {}.</translation>
   </message>
   <message>
    <source>Regions</source>
@@ -1048,6 +1092,10 @@
    <translation>Ergebnisse</translation>
   </message>
   <message>
+   <source>Returned as well:</source>
+   <translation>Außerdem liefert das Werkzeug:</translation>
+  </message>
+  <message>
    <source>Rivers, towns, labels: deformed as the map around them.</source>
    <translation>Flüsse, Orte, Beschriftungen: verformt wie die Karte um sie herum.</translation>
   </message>
@@ -1061,11 +1109,11 @@
   </message>
   <message>
    <source>Scale (times as large)</source>
-   <translation>Maßstab (wievielmal so groß)</translation>
+   <translation>Vergrößerung (wievielmal so groß)</translation>
   </message>
   <message>
    <source>Scale reached in the focus</source>
-   <translation>Im Fokus erreichter Maßstab</translation>
+   <translation>In der Region erreichte Vergrößerung</translation>
   </message>
   <message>
    <source>Seconds to search (0: not limited)</source>
@@ -1080,8 +1128,8 @@
    <translation>Nur gewählte Objekte</translation>
   </message>
   <message>
-   <source>Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {:,} where the outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU.</source>
-   <translation>Nicht beachtet: {} und {} mit weniger auf einer Seite als SMALLEST_PART (oder MIN_HOLE); {:,}, wo der Umriss nicht einspringt oder das Polygon sich nicht weitet (PLACES). Wenn Schnitte fehlen, senken Sie TAU oder SMALLEST_PART, oder setzen Sie PLACES auf Any; wenn es zu viele sind, erhöhen Sie TAU.</translation>
+   <source>Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {} where the outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU.</source>
+   <translation>Nicht beachtet: {} und {} mit weniger auf einer Seite als SMALLEST_PART (oder MIN_HOLE); {}, wo der Umriss nicht einspringt oder das Polygon sich nicht weitet (PLACES). Wenn Schnitte fehlen, senken Sie TAU oder SMALLEST_PART, oder setzen Sie PLACES auf Any; wenn es zu viele sind, erhöhen Sie TAU.</translation>
   </message>
   <message>
    <source>Shapely's triangulation is used: as good as others, but slower.</source>
@@ -1144,6 +1192,10 @@
    <translation>Tabelle der Klassenabstände</translation>
   </message>
   <message>
+   <source>The CRS of the layer, {}, is in degrees, but the layer reaches from latitude {:.10g} to {:.10g}: sizes and lengths will be wrong. Give it the CRS that it has (Assign projection).</source>
+   <translation>Das KBS des Layers, {}, ist in Grad, aber der Layer reicht von Breite {:.10g} bis {:.10g}: Größen und Längen werden falsch. Bitte das richtige KBS setzen (Projektion zuweisen).</translation>
+  </message>
+  <message>
    <source>The Python package {} is faster.</source>
    <translation>Das Python-Paket {} ist schneller.</translation>
   </message>
@@ -1181,7 +1233,7 @@
   </message>
   <message>
    <source>The distance from {} to {}</source>
-   <translation>Der Abstand von {} zu {}</translation>
+   <translation>Der Klassenabstand von {} zu {}</translation>
   </message>
   <message>
    <source>The excluded class {} is not on the map.</source>
@@ -1213,7 +1265,7 @@
   </message>
   <message>
    <source>The largest detour in the finest level: how many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
-   <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang wie die gerade Linie über eine Engstelle der Weg am Umriss entlang sein darf; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
+   <translation>Der größte Umweg in der feinsten Stufe: wievielmal so lang der Weg am Umriss entlang sein darf wie die gerade Linie über eine Engstelle; mindestens 1. Kleinere Werte schneiden mehr. Ein Feld oder Ausdruck kann den Wert für jedes Objekt setzen.</translation>
   </message>
   <message>
    <source>The largest number of cuts (MinSize), total length (MinLength) or total weight (MinWeight) for each feature; length in the units of the layer, or in metres if its coordinates are degrees. A field or expression can set it for each feature.</source>
@@ -1236,8 +1288,12 @@
    <translation>Die Karte hat keine Objekte, deren Geometrie sich verschieben lässt.</translation>
   </message>
   <message>
+   <source>The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?</source>
+   <translation>Die Karte ist in Grad ({}), und ({:g} {:g}) liegt jenseits des Globus. Stimmt ihr KBS?</translation>
+  </message>
+  <message>
    <source>The map is in degrees ({}). It is solved in the equidistant cylindrical projection with true lengths at latitude {:.1f}, and the result is in degrees.</source>
-   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der mittabstandstreuen Zylinderprojektion mit wahren Längen bei der Breite {:.1f}; das Ergebnis ist in Grad.</translation>
+   <translation>Die Karte ist in Grad ({}). Gerechnet wird in der abstandstreuen Zylinderprojektion, die bei der Breite {:.1f} längentreu ist; das Ergebnis ist in Grad.</translation>
   </message>
   <message>
    <source>The map would grow beyond the globe. Keep its extent (switch the frame on).</source>
@@ -1257,7 +1313,7 @@
   </message>
   <message>
    <source>The regions with region (number), the class field, size (square metres), areas (how many), core (id of the area whose class was kept) and status (why it is too small).</source>
-   <translation>Die Regionen mit region (Nummer), dem Feld der Klasse, size (Quadratmeter), areas (wie viele Flächen), core (ID der Fläche, deren Klasse erhalten ist) und status (warum sie zu klein ist).</translation>
+   <translation>Die Regionen mit region (Nummer), dem Klassenfeld, size (Quadratmeter), areas (wie viele Flächen), core (ID der Fläche, deren Klasse erhalten ist) und status (warum sie zu klein ist).</translation>
   </message>
   <message>
    <source>The relevant edges where they are in the focus map: kind (selected, given, or join between islands), length before, and stretch (length after over length before).</source>
@@ -1289,7 +1345,7 @@
   </message>
   <message>
    <source>The time was over. {}</source>
-   <translation>Die Zeit war um. {}</translation>
+   <translation>Die Zeit ist abgelaufen. {}</translation>
   </message>
   <message>
    <source>There is no wheel of {} for Python {} on {} with numpy {}. A newer QGIS may have one.</source>
@@ -1365,11 +1421,11 @@
   </message>
   <message>
    <source>Weights: class change {}, boundary {}, centre distance {}.</source>
-   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Abstand vom Zentrum {}.</translation>
+   <translation>Gewichte: Klassenwechsel {}, Grenzlänge {}, Entfernung vom Zentrum {}.</translation>
   </message>
   <message>
    <source>What to minimize: number or length of cuts</source>
-   <translation>Was minimiert wird: Anzahl oder Länge der Schnitte</translation>
+   <translation>Minimiert wird: Anzahl oder Länge der Schnitte</translation>
   </message>
   <message>
    <source>What to minimize: number, length or weight of cuts</source>
@@ -1393,7 +1449,7 @@
   </message>
   <message>
    <source>Without a class: {}. Aggregation will leave such areas as they are.</source>
-   <translation>Ohne Klasse: {}. Die Zusammenfassung wird solche Flächen lassen, wie sie sind.</translation>
+   <translation>Ohne Klasse: {}. Beim Zusammenfassen bleiben solche Flächen, wie sie sind.</translation>
   </message>
   <message>
    <source>Write the layers</source>
@@ -1412,6 +1468,10 @@
    <translation>Ihre eigenen relevanten Kanten, etwa die Schnitte des Werkzeugs zur Zerlegung: Linien zwischen Punkten der Karte. Gibt es keine, findet das Werkzeug sie nach der Regel unten.</translation>
   </message>
   <message>
+   <source>a field or an expression, too</source>
+   <translation>auch ein Feld oder Ausdruck</translation>
+  </message>
+  <message>
    <source>a ring has fewer than three distinct vertices</source>
    <translation>ein Ring hat weniger als drei verschiedene Stützpunkte</translation>
   </message>
@@ -1422,6 +1482,10 @@
   <message>
    <source>after</source>
    <translation>nachher</translation>
+  </message>
+  <message>
+   <source>all of the input</source>
+   <translation>alle der Eingabe</translation>
   </message>
   <message>
    <source>all tools need it</source>
@@ -1448,6 +1512,14 @@
    <translation>Flächen</translation>
   </message>
   <message>
+   <source>at least {:g}</source>
+   <translation>mindestens {:g}</translation>
+  </message>
+  <message>
+   <source>at most {:g}</source>
+   <translation>höchstens {:g}</translation>
+  </message>
+  <message>
    <source>before</source>
    <translation>vorher</translation>
   </message>
@@ -1457,7 +1529,11 @@
   </message>
   <message>
    <source>centre distance</source>
-   <translation>Abstand vom Zentrum</translation>
+   <translation>Entfernung vom Zentrum</translation>
+  </message>
+  <message>
+   <source>choice</source>
+   <translation>Auswahl</translation>
   </message>
   <message>
    <source>class</source>
@@ -1484,6 +1560,10 @@
    <translation>Schnitte</translation>
   </message>
   <message>
+   <source>default</source>
+   <translation>Vorgabe</translation>
+  </message>
+  <message>
    <source>diagonal</source>
    <translation>Diagonale</translation>
   </message>
@@ -1501,7 +1581,7 @@
   </message>
   <message>
    <source>enlarged {:.10g} times, the focus is larger than the frame, which leaves room for a scale of {:g}. Choose a smaller scale, or let the map grow</source>
-   <translation>auf das {:.10g}-Fache vergrößert ist die Region größer als der Rahmen, der höchstens den Faktor {:g} zulässt. Wählen Sie einen kleineren Faktor, oder lassen Sie die Karte wachsen</translation>
+   <translation>auf das {:.10g}-Fache vergrößert ist die Region größer als der Rahmen, der nur eine Vergrößerung von {:g} zulässt. Wählen Sie eine kleinere, oder lassen Sie die Karte wachsen</translation>
   </message>
   <message>
    <source>equal: every change counts 1. code: hierarchical codes such as CORINE's; the share of the digits from the first differing one on (311 to 312: 1/3). table: from a table.</source>
@@ -1514,6 +1594,10 @@
   <message>
    <source>excluded class</source>
    <translation>ausgeschlossene Klasse</translation>
+  </message>
+  <message>
+   <source>expression</source>
+   <translation>Ausdruck</translation>
   </message>
   <message>
    <source>face {} between the lines</source>
@@ -1536,6 +1620,10 @@
    <translation>Objekte</translation>
   </message>
   <message>
+   <source>file to write</source>
+   <translation>Datei, die geschrieben wird</translation>
+  </message>
+  <message>
    <source>gap</source>
    <translation>Lücke</translation>
   </message>
@@ -1549,7 +1637,7 @@
   </message>
   <message>
    <source>greedy: quick. annealing: better the longer it runs. exact: best, for small maps.</source>
-   <translation>greedy: schnell. annealing: um so besser, je länger es läuft. exact: am besten, für kleine Karten.</translation>
+   <translation>greedy: schnell. annealing: umso besser, je länger es läuft. exact: am besten, für kleine Karten.</translation>
   </message>
   <message>
    <source>hole</source>
@@ -1566,6 +1654,14 @@
   <message>
    <source>in the OSGeo4W Shell</source>
    <translation>in der OSGeo4W-Shell</translation>
+  </message>
+  <message>
+   <source>in the dialog</source>
+   <translation>im Dialog</translation>
+  </message>
+  <message>
+   <source>in the group {}</source>
+   <translation>in der Gruppe {}</translation>
   </message>
   <message>
    <source>independent part</source>
@@ -1597,7 +1693,7 @@
   </message>
   <message>
    <source>it has no polygon</source>
-   <translation>ohne Polygon</translation>
+   <translation>kein Polygon vorhanden</translation>
   </message>
   <message>
    <source>it is empty</source>
@@ -1625,7 +1721,7 @@
   </message>
   <message>
    <source>it touches the boundary between its ends</source>
-   <translation>sie berührt den Rand zwischen ihren Enden</translation>
+   <translation>sie berührt den Umriss zwischen ihren Enden</translation>
   </message>
   <message>
    <source>its class is excluded, and no other is possible here</source>
@@ -1640,16 +1736,28 @@
    <translation>größter Teil</translation>
   </message>
   <message>
+   <source>layer</source>
+   <translation>Layer</translation>
+  </message>
+  <message>
+   <source>layer to write</source>
+   <translation>Layer, der geschrieben wird</translation>
+  </message>
+  <message>
+   <source>layers</source>
+   <translation>Layer</translation>
+  </message>
+  <message>
    <source>length of the cuts</source>
    <translation>Länge der Schnitte</translation>
   </message>
   <message>
    <source>level</source>
-   <translation>Ebene</translation>
+   <translation>Stufe</translation>
   </message>
   <message>
    <source>levels</source>
-   <translation>Ebenen</translation>
+   <translation>Stufen</translation>
   </message>
   <message>
    <source>line {}</source>
@@ -1668,6 +1776,22 @@
    <translation>sind die meisten ihrer Linien nicht länger als ein Punkt</translation>
   </message>
   <message>
+   <source>name</source>
+   <translation>Name</translation>
+  </message>
+  <message>
+   <source>name of a field</source>
+   <translation>Name eines Feldes</translation>
+  </message>
+  <message>
+   <source>no class</source>
+   <translation>keine Klasse</translation>
+  </message>
+  <message>
+   <source>none (optional)</source>
+   <translation>keine (optional)</translation>
+  </message>
+  <message>
    <source>not contiguous</source>
    <translation>nicht zusammenhängend</translation>
   </message>
@@ -1676,8 +1800,24 @@
    <translation>nicht für kommerzielle Nutzung</translation>
   </message>
   <message>
+   <source>number</source>
+   <translation>Zahl</translation>
+  </message>
+  <message>
    <source>number of cuts</source>
    <translation>Anzahl der Schnitte</translation>
+  </message>
+  <message>
+   <source>off by default</source>
+   <translation>nur auf Wunsch</translation>
+  </message>
+  <message>
+   <source>optional</source>
+   <translation>optional</translation>
+  </message>
+  <message>
+   <source>or</source>
+   <translation>oder</translation>
   </message>
   <message>
    <source>pair</source>
@@ -1752,10 +1892,6 @@
    <translation>tau = {tau:g}</translation>
   </message>
   <message>
-   <source>tau = {tau:g}: {parts} parts, {cuts} cuts</source>
-   <translation>tau = {tau:g}: {parts} Teile, {cuts} Schnitte</translation>
-  </message>
-  <message>
    <source>tau must be a number from 1 to below {:g}, and is {:g}</source>
    <translation>tau muss eine Zahl von 1 bis unter {:g} sein und ist {:g}</translation>
   </message>
@@ -1766,6 +1902,10 @@
   <message>
    <source>tau: largest detour allowed</source>
    <translation>tau: größter erlaubter Umweg</translation>
+  </message>
+  <message>
+   <source>text</source>
+   <translation>Text</translation>
   </message>
   <message>
    <source>the Python package shapely is missing</source>
@@ -1781,7 +1921,11 @@
   </message>
   <message>
    <source>the candidate diagonals do not connect {} of {} holes to the rest</source>
-   <translation>die Kandidaten verbinden {} von {} Löchern nicht mit dem Rest</translation>
+   <translation>die möglichen Schnitte verbinden {} von {} Löchern nicht mit dem Rest</translation>
+  </message>
+  <message>
+   <source>the class field</source>
+   <translation>das Klassenfeld</translation>
   </message>
   <message>
    <source>the coordinates are too large: they reach from {} to {}</source>
@@ -1797,7 +1941,7 @@
   </message>
   <message>
    <source>the focus covers all of the input, so nothing can make room for it. Choose a smaller focus, or let the map grow</source>
-   <translation>die Region bedeckt die ganze Karte, so dass nichts Platz machen kann. Wählen Sie eine kleinere Region, oder lassen Sie die Karte wachsen</translation>
+   <translation>die Region bedeckt die ganze Karte, sodass nichts Platz machen kann. Wählen Sie eine kleinere Region, oder lassen Sie die Karte wachsen</translation>
   </message>
   <message>
    <source>the focus has no area</source>
@@ -1853,19 +1997,23 @@
   </message>
   <message>
    <source>the scale must be a number above 0, and is {:g}</source>
-   <translation>der Vergrößerungsfaktor muss eine Zahl über 0 sein und ist {:g}</translation>
+   <translation>die Vergrößerung muss eine Zahl über 0 sein und ist {:g}</translation>
   </message>
   <message>
    <source>the weight of candidate {} cannot be used: {}</source>
-   <translation>das Gewicht des Kandidaten {} ist nicht verwendbar: {}</translation>
+   <translation>das Gewicht des möglichen Schnitts {} ist nicht verwendbar: {}</translation>
   </message>
   <message>
    <source>there is no room for a scale of {:.10g}: it ends at {:g}. Choose a smaller scale, a larger map around the region, or let the map grow</source>
-   <translation>für den Faktor {:.10g} ist kein Platz: bei {:g} ist Schluss. Wählen Sie einen kleineren Faktor, eine größere Karte um die Region, oder lassen Sie die Karte wachsen</translation>
+   <translation>für eine Vergrößerung von {:.10g} ist kein Platz: bei {:g} ist Schluss. Wählen Sie eine kleinere oder eine größere Karte um die Region, oder lassen Sie die Karte wachsen</translation>
   </message>
   <message>
    <source>too small</source>
    <translation>zu klein</translation>
+  </message>
+  <message>
+   <source>tool</source>
+   <translation>Werkzeug</translation>
   </message>
   <message>
    <source>total</source>
@@ -1880,20 +2028,28 @@
    <translation>Triangulation und Fokuskarten</translation>
   </message>
   <message>
+   <source>true or false</source>
+   <translation>true oder false</translation>
+  </message>
+  <message>
    <source>weight</source>
    <translation>Gewicht</translation>
   </message>
   <message>
+   <source>what</source>
+   <translation>was</translation>
+  </message>
+  <message>
+   <source>whole</source>
+   <translation>ganzzahlig</translation>
+  </message>
+  <message>
+   <source>whole number</source>
+   <translation>ganze Zahl</translation>
+  </message>
+  <message>
    <source>{lists}</source>
    <translation>{lists}</translation>
-  </message>
-  <message>
-   <source>{parts} parts, {cuts} cuts. Now try it on a layer of yours: Plugins &gt; Isthmus.</source>
-   <translation>{parts} Teile, {cuts} Schnitte. Nun mit einem eigenen Layer: Erweiterungen &gt; Isthmus.</translation>
-  </message>
-  <message>
-   <source>{wanted} parts of each feature: {parts} parts, {cuts} cuts</source>
-   <translation>{wanted} Teile jedes Objekts: {parts} Teile, {cuts} Schnitte</translation>
   </message>
   <message>
    <source>{} (feature {})</source>
@@ -1901,7 +2057,11 @@
   </message>
   <message>
    <source>{} (gap {:.2f} %; {}, {} solved).</source>
-   <translation>{} (Lücke {:.2f} %; {}; gelöst: {}).</translation>
+   <translation>{} (Abstand {:.2f} %; {}; gelöst: {}).</translation>
+  </message>
+  <message>
+   <source>{} ({}, {} ha)</source>
+   <translation>{} ({}, {} ha)</translation>
   </message>
   <message>
    <source>{} and {}</source>
@@ -1921,7 +2081,7 @@
   </message>
   <message>
    <source>{} class distances are listed in one direction only; the other way they are taken as equal.</source>
-   <translation>{} Entfernungen von Klassen sind nur in einer Richtung angegeben; in der anderen gelten sie als gleich.</translation>
+   <translation>{} Klassenabstände sind nur in einer Richtung angegeben; in der anderen gelten sie als gleich.</translation>
   </message>
   <message>
    <source>{} could not be written to {} as a whole. Is the disk full?</source>
@@ -1933,7 +2093,7 @@
   </message>
   <message>
    <source>{} has come damaged: its checksum is wrong. Nothing was changed. Try again.</source>
-   <translation>{} kam beschädigt an: die Prüfsumme stimmt nicht. Es wurde nichts geändert. Versuchen Sie es noch einmal.</translation>
+   <translation>{} ist beschädigt angekommen: Die Prüfsumme stimmt nicht. Es wurde nichts geändert. Versuchen Sie es noch einmal.</translation>
   </message>
   <message>
    <source>{} in at most {} of a feature, made by {}.</source>
@@ -1985,7 +2145,11 @@
   </message>
   <message>
    <source>{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part twice.</source>
-   <translation>{} überlappender Flächen: {}{}. Daran wurde nichts geändert; Größen zählen den gemeinsamen Teil doppelt.</translation>
+   <translation>Überlappende Flächen: {}: {}{}. Daran wurde nichts geändert; die Größen zählen den gemeinsamen Teil doppelt.</translation>
+  </message>
+  <message>
+   <source>{} of each feature</source>
+   <translation>{} je Objekt</translation>
   </message>
   <message>
    <source>{} of {} relevant edges were left out: an end is not a point of the map.</source>
@@ -1997,7 +2161,7 @@
   </message>
   <message>
    <source>{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging and splitting single regions.</source>
-   <translation>{} Regionen waren gewünscht; näher als {} ließen Schwellenwerte und Nachbarn beim Verschmelzen und Teilen einzelner Regionen nicht zu.</translation>
+   <translation>{} Regionen waren gewünscht; näher als {} ließen Mindestgrößen und Nachbarn beim Verschmelzen und Teilen einzelner Regionen nicht zu.</translation>
   </message>
   <message>
    <source>{} smaller than 1 per cent of the feature.</source>
@@ -2012,10 +2176,6 @@
    <translation>{} {} liegt in {}</translation>
   </message>
   <message>
-   <source>{} {} of {}</source>
-   <translation>{} {} von {}</translation>
-  </message>
-  <message>
    <source>{}, made by {} of {} in all. The largest detour left is {:.4g}.</source>
    <translation>{}, durch {} von insgesamt {}. Der größte verbliebene Umweg ist {:.4g}.</translation>
   </message>
@@ -2024,12 +2184,20 @@
    <translation>{}, {:.1f} MB, von {}</translation>
   </message>
   <message>
+   <source>{}, {}. Now try it on a layer of yours: Plugins &gt; Isthmus.</source>
+   <translation>{}, {}. Nun mit einem eigenen Layer: Erweiterungen &gt; Isthmus.</translation>
+  </message>
+  <message>
    <source>{}: features {}{} have no place in the CRS of the map, and are carried without a geometry.</source>
    <translation>{}: Die Objekte {}{} haben im KBS der Karte keinen Ort und werden ohne Geometrie übernommen.</translation>
   </message>
   <message>
    <source>{}: {}</source>
    <translation>{}: {}</translation>
+  </message>
+  <message>
+   <source>{}: {} of {}</source>
+   <translation>{}: {} von {}</translation>
   </message>
  </context>
 </TS>

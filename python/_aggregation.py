@@ -12,7 +12,8 @@ from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _plain, _problems, 
 from ._kinds import Source
 from .core.aggregation import areas as core
 from .core.aggregation.coverage import faults, joined
-from .core.aggregation.instance import Costs, Solution, costs
+from .core.aggregation.exact import Exact
+from .core.aggregation.instance import Costs, Instance, Solution, costs
 from .core.aggregation.methods import METHODS, by_method
 from .core.aggregation.outcome import Outcome, lost_areas, outcome
 from .core.aggregation.presets import PRESETS
@@ -271,24 +272,15 @@ def aggregate(
     >>> found.region_fields["class"].tolist(), found.region_fields["areas"].tolist()
     (['wood', 'meadow'], [2, 1])
     """
-    for one, name, known in (
-        (distance, "distance", DISTANCES),
-        (weights, "weights", tuple(PRESETS)),
-        (boundary, "boundary", BOUNDARIES),
-        (method, "method", METHODS),
-    ):
-        _kinds.one_of(one, name, known)
+    _kinds.one_of(distance, "distance", DISTANCES)
+    _kinds.one_of(weights, "weights", tuple(PRESETS))
+    _kinds.one_of(boundary, "boundary", BOUNDARIES)
+    _kinds.one_of(method, "method", METHODS)
     if distance == "table" and distances is None:
         raise ValueError("A table of class distances (distances) is needed, or another way to measure them.")
-    weight = [
-        usual if own is None else own
-        for own, usual in zip((weight_change, weight_boundary, weight_centre), PRESETS[weights])
-    ]
+    weight = _weights(weights, weight_change, weight_boundary, weight_centre)
     for value, name in (
         (threshold, "threshold"),
-        (weight[0], "weight_change"),
-        (weight[1], "weight_boundary"),
-        (weight[2], "weight_centre"),
         (seconds, "seconds"),
         (seed, "seed"),
         (iterations, "iterations"),
@@ -298,39 +290,14 @@ def aggregate(
     origin = _kinds.source(areas, crs, "areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
-    found = _geometry.read_polygons(origin.geometries)
-    arranged = core.arrange(
-        range(len(texts)),
-        found.rings,
-        found.owner,
-        _kinds.measure_of(origin.crs),
-        _kinds.metres_of(origin.crs),
-    )
-    left = core.reasons_of(
-        arranged, texts, ["it has no geometry" if one is None else "it is empty" for one in origin.geometries]
-    )
-    _kinds.tell(origin, left, "are left as they are")
-    invalid = set(core.invalid(arranged).tolist()) - set(left)
-    _kinds.tell(origin, dict.fromkeys(sorted(invalid), "not valid"), "may have a wrong size or neighbours")
+    found, arranged, left = _read(origin, texts)
     names = sorted({one for one in texts if one is not None})
-    theta, _ = class_thresholds(
-        names, threshold, (thresholds or {}).items(), [text(one) or "" for one in excluded]
-    )
-    matrix, _ = class_distances(
-        names, distance, [(a, b, value) for (a, b), value in (distances or {}).items()]
-    )
+    theta, matrix = _tables(names, threshold, thresholds, excluded, distance, distances)
     problem = core.posed(arranged, texts, names, list(left), theta, matrix, weight, boundary == "classes")
     shaped = np.zeros(len(texts), dtype=bool)
     shaped[found.owner] = True
-    count = regions + int((~shaped).sum()) if regions else None  # there, an area without a shape is a region
-    best, result = by_method(
-        problem, method, seed=seed, iterations=iterations, seconds=seconds, count=count, decompose=decompose
-    )
-    if count and result is None and len(best.core) != count:
-        _kinds.warn(
-            f"{regions} regions were wanted, and {len(best.core) - int((~shaped).sum())} is as near as "
-            "thresholds and neighbours allowed."
-        )
+    options = {"seed": seed, "iterations": iterations, "seconds": seconds, "decompose": decompose}
+    best, result = _solved(problem, method, regions, int((~shaped).sum()), options)
     out = outcome(problem, best, shaped, sources, left)
     made = _Regions(origin, values, texts, found, arranged, best, out)
     written, region_fields = made.regions(class_ if isinstance(class_, str) else "class", sources)
@@ -348,6 +315,69 @@ def aggregate(
         None if result is None else float(min(result.bound, cost.total)),
         {name: (gone, of) for name, gone, of in lost_areas(problem, best, sources, names)},
     )
+
+
+def _weights(named: str, *given: float | None) -> list[float]:
+    """The weights of class change, boundary and centre: what is given, else that of the named set."""
+    weight = [usual if own is None else own for own, usual in zip(given, PRESETS[named])]
+    for value, name in zip(weight, ("weight_change", "weight_boundary", "weight_centre")):
+        _kinds.least(value, name, 0.0)
+    return weight
+
+
+def _tables(
+    names: list[str],
+    threshold: float,
+    thresholds: Mapping[Any, float | None] | None,
+    excluded: Iterable[Any],
+    distance: str,
+    distances: Mapping[tuple, float] | None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest size of a region of each class, and the distance of each class to each other."""
+    theta, _ = class_thresholds(
+        names, threshold, (thresholds or {}).items(), [text(one) or "" for one in excluded]
+    )
+    matrix, _ = class_distances(
+        names, distance, [(a, b, value) for (a, b), value in (distances or {}).items()]
+    )
+    return theta, matrix
+
+
+def _solved(
+    problem: Instance, method: str, regions: int, shapeless: int, options: dict[str, Any]
+) -> tuple[Solution, Exact | None]:
+    """What a method finds; warns where that are not as many regions as wanted."""
+    count = regions + shapeless if regions else None  # there, an area without a shape is a region
+    best, result = by_method(problem, method, count=count, **options)
+    if count and result is None and len(best.core) != count:
+        _kinds.warn(
+            f"{regions} regions were wanted, and {len(best.core) - shapeless} is as near as "
+            "thresholds and neighbours allowed."
+        )
+    return best, result
+
+
+def _read(
+    origin: Source, texts: Sequence[str | None]
+) -> tuple[_geometry.Polygons, core.Areas, dict[int, str]]:
+    """The polygons, the areas, and why some of these are left; warns of what is wrong with them."""
+    found = _geometry.read_polygons(origin.geometries)
+    areas = core.arrange(
+        range(len(texts)),
+        found.rings,
+        found.owner,
+        _kinds.measure_of(origin.crs),
+        _kinds.metres_of(origin.crs),
+    )
+    left = core.reasons_of(
+        areas, texts, ["it has no geometry" if one is None else "it is empty" for one in origin.geometries]
+    )
+    _kinds.tell(origin, left, "are left as they are")
+    wrong, overlaps = core.flaws(areas)
+    invalid = set(wrong.tolist()) - set(left)
+    _kinds.tell(origin, dict.fromkeys(sorted(invalid), "not valid"), "may have a wrong size or neighbours")
+    _tell_overlaps(origin, overlaps)
+    return found, areas, left
 
 
 class _Regions(NamedTuple):
@@ -477,20 +507,24 @@ def _sources(origin: Source, area_id: Any) -> tuple[list, str | None]:
     return [k if one is None else one for k, one in enumerate(ids)], size_column
 
 
+def _tell_overlaps(origin: Source, overlaps: np.ndarray, most: int = _kinds.NAMED) -> None:
+    """Warn of pairs of areas that overlap."""
+    if len(overlaps):
+        some = ", ".join(f"{a} and {b}" for a, b in origin.ids[overlaps[:most]].tolist())
+        _kinds.warn(f"{len(overlaps)} pairs of areas overlap: {some}{' ...' * (len(overlaps) > most)}.")
+
+
 def _tell_faults(origin: Source, areas: core.Areas, of: np.ndarray, most: int = _kinds.NAMED) -> None:
     """Warn of overlaps and gaps."""
     wrong = faults(areas.coverage)
     overlaps = np.unique(np.sort(of[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
     overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
-    more = " ..."
-    if len(overlaps):
-        some = ", ".join(f"{a} and {b}" for a, b in origin.ids[overlaps[:most]].tolist())
-        _kinds.warn(f"{len(overlaps)} pairs of areas overlap: {some}{more * (len(overlaps) > most)}.")
+    _tell_overlaps(origin, overlaps)
     if len(wrong.gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in wrong.gaps[:most].tolist())
         _kinds.warn(
             f"{len(wrong.gaps)} gaps inside the map without an area, at {some}"
-            f"{more * (len(wrong.gaps) > most)}. Areas on both sides of a gap are no neighbours there."
+            f"{' ...' * (len(wrong.gaps) > most)}. Areas on both sides of a gap are no neighbours there."
         )
 
 

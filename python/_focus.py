@@ -12,7 +12,7 @@ from ._cutting import PLACES
 from ._kinds import Source
 from .core.errors import Unsolvable
 from .core.metric import FARTHEST
-from .core.wkb import Runs
+from .core.wkb import Runs, joined
 
 SELECTIONS = ("MinSize", "MinLength", "Greedy", "Proximity", "None")
 
@@ -124,23 +124,10 @@ def enlarge(
     from .core.focus.selection import rule_of
 
     origin = _kinds.source(map, crs, "map")
-    runs = [_runs(one) for one in origin.geometries]
-    wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
-    for k in wrong:
-        runs[k] = Runs(b"")
-    _kinds.tell(
-        origin,
-        dict.fromkeys(wrong, f"coordinates that are not finite or larger than {FARTHEST:g}"),
-        "are left where they are",
-    )
-    counts = [count for one in runs for count in one.counts]
-    if not counts:
+    runs = _runs_of(origin)
+    rows, starts, polygons = joined(runs)
+    if len(starts) == 1:
         raise Unsolvable("The map has no features with a geometry that can be moved.")
-    rows = np.concatenate([one.xy for one in runs])
-    polygons, first = [], 0
-    for one in runs:
-        polygons += [[first + ring for ring in rings] for rings in one.polygons]
-        first += len(one.counts)
     given = None
     if edges is not None:
         given = _given(_of_crs(edges, origin, "edges"), rows, match)
@@ -151,7 +138,7 @@ def enlarge(
     rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
     result = solve(
         rows,
-        np.append(0, np.cumsum(counts)),
+        starts,
         polygons,
         _region(_of_crs(focus, origin, "focus")),
         scale,
@@ -168,6 +155,11 @@ def enlarge(
         more = " ..." * (len(result.skipped) > _kinds.NAMED)
         _kinds.warn(f"No relevant edges for {'; '.join(result.skipped[: _kinds.NAMED])}{more}.")
     carrier = Carrier(result.points, result.moved, result.triangles)
+    return _focus_map(origin, runs, result, [_carried(layer, origin, carrier) for layer in along])
+
+
+def _focus_map(origin: Source, runs: list[Runs], result: Any, carried: list) -> FocusMap:
+    """What was found, for the caller."""
     before, after = (
         np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
     )
@@ -176,11 +168,25 @@ def enlarge(
         map=_same(origin, _moved(origin.geometries, runs, result)),
         edges=shapely.linestrings(result.moved[result.edges]),
         edge_fields={"kind": result.kind, "length": before, "stretch": after / before},
-        carried=[_carried(layer, origin, carrier) for layer in along],
+        carried=carried,
         growth=(width, height),
         median_distortion=float(result.distortion.median),
         high_distortion=float(result.distortion.high),
     )
+
+
+def _runs_of(origin: Source) -> list[Runs]:
+    """The points of each geometry of the map; none of those that cannot be moved, with a warning."""
+    runs = [_runs(one) for one in origin.geometries]
+    wrong = [k for k, one in enumerate(runs) if not (np.abs(one.xy) <= FARTHEST).all()]
+    for k in wrong:
+        runs[k] = Runs(b"")
+    _kinds.tell(
+        origin,
+        dict.fromkeys(wrong, f"coordinates that are not finite or larger than {FARTHEST:g}"),
+        "are left where they are",
+    )
+    return runs
 
 
 def _runs(geometry: Any) -> Runs:

@@ -125,7 +125,7 @@ def chunks(geometries: np.ndarray, measure: Metric) -> Iterator[tuple[Chunk, np.
         found = read_polygons(geometries[lo:hi])
         runs = [np.arange(lo, hi)]
         if measure.conformal:
-            strange = beyond_the_poles(found.rings, found.owner, hi - lo)
+            strange = beyond_the_poles(found.rings, found.owner, hi - lo, measure)
             runs = np.split(runs[0], np.flatnonzero(np.diff(strange)) + 1)
         for run in runs:
             if len(runs) > 1:

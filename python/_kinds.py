@@ -5,6 +5,7 @@ Geopandas is never imported: where there is one of its objects, its own classes 
 
 from __future__ import annotations
 
+import math
 import sys
 import warnings
 from numbers import Real
@@ -100,15 +101,16 @@ def _crs(crs: Any) -> Any:
 
 
 def measure_of(crs: Any) -> Metric:
-    """Return how to measure: in the plane, or in metres on the ellipsoid where coordinates are degrees."""
+    """Return how to measure: in the plane, or in metres on the ellipsoid where coordinates are angles."""
     if isinstance(crs, Metric):
         return crs
     if crs is None or not crs.is_geographic:
         return planar()
-    ellipsoid = crs.ellipsoid
+    ellipsoid, axes = crs.ellipsoid, crs.axis_info
+    degrees = round(math.degrees(axes[0].unit_conversion_factor), 9) if axes else 1.0  # of grads 0.9
     if ellipsoid is None:
-        return ellipsoidal()
-    return ellipsoidal(ellipsoid.semi_major_metre, ellipsoid.semi_minor_metre)
+        return ellipsoidal(degrees=degrees)
+    return ellipsoidal(ellipsoid.semi_major_metre, ellipsoid.semi_minor_metre, degrees)
 
 
 def metres_of(crs: Any) -> float:

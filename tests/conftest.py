@@ -5,6 +5,8 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -41,7 +43,40 @@ def pytest_configure(config):
         os.environ.setdefault("PROJ_DATA", "/usr/share/proj")
 
 
+class Pulse(threading.Thread):
+    """Says that the tests go on, and how far they are, where none has ended for a while."""
+
+    def __init__(self, reporter):
+        super().__init__(daemon=True)
+        self.reporter, self.ended, self.done = reporter, threading.Event(), 0
+        self.began = self.said = time.monotonic()
+        self.dots = False  # behind which a line begins
+        self.tick = float(os.environ.get("ISTHMUS_TICK", 10))
+
+    def pytest_runtest_logreport(self, report):
+        self.done += report.when == "teardown"
+        self.said, self.dots = time.monotonic(), True
+
+    def run(self):
+        while not self.ended.wait(self.tick / 10):
+            now = time.monotonic()
+            if now - self.said >= self.tick:
+                line = f"isthmus: {self.done} tests done, {now - self.began:.0f} s"
+                self.reporter.write_line("\n" * self.dots + line)
+                self.said, self.dots = now, False
+
+
+def pytest_sessionstart(session):
+    config = session.config
+    if not hasattr(config, "workerinput"):  # the process that shows, not one that tests for it
+        config.pulse = Pulse(config.pluginmanager.get_plugin("terminalreporter"))
+        config.pluginmanager.register(config.pulse)
+        config.pulse.start()
+
+
 def pytest_sessionfinish(session, exitstatus):
+    if hasattr(session.config, "pulse"):
+        session.config.pulse.ended.set()
     session.config.exit_status = int(exitstatus)
 
 

@@ -361,7 +361,10 @@ def run_problems(text, root=ROOT):
 def reference_problems(tools, root=ROOT):
     """Pages of the reference that are not as they would be written now."""
     made = reference.pages(tools)
-    there = {path.name: path.read_text(encoding="utf-8") for path in (root / "docs/reference").glob("*.md")}
+    folder = root / "docs" / "reference"
+    there = {
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.md")
+    }
     return [
         f"docs/reference/{name} is not as ./run docs would write it"
         for name in sorted(set(made) | set(there))
@@ -410,7 +413,7 @@ def test_readme_lists_every_parameter(facts):
 
 def test_reference(tools, facts):
     assert not reference_problems(tools)
-    for path in (ROOT / "docs" / "reference").glob("*.md"):
+    for path in (ROOT / "docs" / "reference").rglob("*.md"):
         name = str(path.relative_to(ROOT))
         assert not command_problems(page(name), facts) + link_problems(name, page(name))
 

@@ -2,17 +2,25 @@
 
     ./run docs
 
+The pages in the folder de are the same in German, where the tools and this file say it by tr().
+
 Only words of ours go into the pages, so they are the same whichever QGIS writes them;
 tests/test_docs.py fails when a page is not as it would be written.
 """
 
+import contextlib
 import html
 import re
 import sys
+import tempfile
 from pathlib import Path
+
+import translate
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "reference"
+# folders of the languages, and what leads from each to the other
+LANGUAGES = {".": "[Deutsch](de/README.md)", "de": "[English](../README.md)"}
 KINDS = {
     "source": "layer", "multilayer": "layers", "field": "name of a field", "expression": "expression",
     "number": "number", "distance": "number", "enum": "choice", "boolean": "true or false",
@@ -22,6 +30,33 @@ KINDS = {
 FILES = {
     "sink": "{}.gpkg", "source": "{}.gpkg", "fileDestination": "{}.html", "field": "class",
 }  # fmt: skip
+
+
+def tr(text):
+    from isthmus.algorithms.words import tr as said
+
+    return said(text)
+
+
+@contextlib.contextmanager
+def speaking(language):
+    """Let the tools speak the language of a folder, as the zip's translation does."""
+    from qgis.PyQt.QtCore import QCoreApplication, QTranslator
+
+    if language != "de":
+        yield
+        return
+    with tempfile.NamedTemporaryFile(suffix=".qm") as file:
+        file.write(translate.compiled(translate.read(translate.FILE.read_text(encoding="utf-8"))))
+        file.flush()
+        translator = QTranslator()
+        if not translator.load(file.name):
+            raise ValueError(f"Qt does not read {file.name}")
+        QCoreApplication.installTranslator(translator)
+        try:
+            yield
+        finally:
+            QCoreApplication.removeTranslator(translator)
 
 
 def fields():
@@ -63,17 +98,21 @@ def fields():
 
 def pages(tools):
     """Return the text of each file of the reference, by its name."""
-    written = fields()
-    result = {f"{tool.name()}.md": page(tool, written[tool.name()]) for tool in tools}
-    rows = [
-        f"| [{tool.displayName()}]({tool.name()}.md) | `{tool.id()}` | {tool.shortDescription()} |"
-        for tool in tools
-    ]
-    result["README.md"] = "\n".join([
-        "# Reference", "",
-        "One page for each tool, written by `./run docs` from the tool itself.", "",
-        "| tool | id | |", "|---|---|---|", *rows, "",
-    ])  # fmt: skip
+    result, written = {}, fields()
+    for folder, other in LANGUAGES.items():
+        with speaking(folder):
+            made = [tool.create() for tool in tools]
+            texts = {tool.name(): page(tool, written[tool.name()]) for tool in made}
+            rows = [
+                f"| [{tool.displayName()}]({tool.name()}.md) | `{tool.id()}` | {tool.shortDescription()} |"
+                for tool in made
+            ]
+            texts["README"] = "\n".join([
+                f"# {tr('Reference')}", "",
+                f"{tr('One page for each tool, written by `./run docs` from the tool itself.')} {other}", "",
+                f"| {tr('tool')} | id | |", "|---|---|---|", *rows, "",
+            ])  # fmt: skip
+        result |= {Path(folder, f"{name}.md").as_posix(): text for name, text in texts.items()}
     return result
 
 
@@ -82,29 +121,33 @@ def page(tool, written):
     parameters = tool.parameterDefinitions()
     inputs = [p for p in parameters if not p.isDestination()]
     outputs = [p for p in parameters if p.isDestination()]
+    name, shown_as, what = tr("name"), tr("in the dialog"), tr("what")
+    where = tr("in the group {}").format(f"*{tool.group()}*")
     lines = [
         f"# {tool.displayName()}", "",
-        f"`{tool.id()}`, in the group *{tool.group()}*. {tool.shortDescription()}", "",
+        f"`{tool.id()}`, {where}. {tool.shortDescription()}", "",
         *markdown(help_of(tool)),
-        "## Parameters", "", "| name | in the dialog | what | default | |", "|---|---|---|---|---|",
+        f"## {tr('Parameters')}", "",
+        f"| {name} | {shown_as} | {what} | {tr('default')} | |", "|---|---|---|---|---|",
         *(row(p) for p in inputs), "",
-        "## Results", "", "| name | in the dialog | what | |", "|---|---|---|---|",
+        f"## {tr('Results')}", "", f"| {name} | {shown_as} | {what} | |", "|---|---|---|---|",
         *(result_row(p) for p in outputs), "",
     ]  # fmt: skip
-    for name, its in written.items():
-        lines += [f"Fields of `{name}`: {', '.join(field(*one) for one in its)}.", ""]
+    for output, its in written.items():
+        lines += [tr("Fields of {}: {}.").format(f"`{output}`", ", ".join(field(*one) for one in its)), ""]
     known = {p.name() for p in parameters}
     numbers = [o for o in tool.outputDefinitions() if o.name() not in known]
-    lines += ["Returned as well:", "", "| name | |", "|---|---|"]
+    lines += [tr("Returned as well:"), "", f"| {name} | |", "|---|---|"]
     lines += [f"| `{o.name()}` | {o.description()} |" for o in numbers] + [""]
-    lines += ["## On the command line", "", "```", example(tool, parameters), "```", ""]
+    lines += [f"## {tr('On the command line')}", "", "```", example(tool, parameters), "```", ""]
     return "\n".join(lines)
 
 
 def help_of(tool):
     """Return the help without the lists of parameters, which the page has as tables."""
-    text = getattr(tool, "help_text", None)
-    return " ".join(text.replace("{lists}", "").split()) if text else tool.shortHelpString()
+    from isthmus.algorithms.base import help_blocks
+
+    return " ".join(tr(block) for block in help_blocks(tool.help_text) if block != "{lists}")
 
 
 def markdown(text):
@@ -125,17 +168,17 @@ def row(parameter):
     """Return a row of the table of parameters."""
     from qgis.core import QgsProcessingParameterDefinition
 
-    flags, what = QgsProcessingParameterDefinition.Flag, KINDS[parameter.type()]
+    flags, what = QgsProcessingParameterDefinition.Flag, tr(KINDS[parameter.type()])
     if parameter.type() == "enum":
-        what = " or ".join(f"`{option}`" for option in parameter.options())
+        what = f" {tr('or')} ".join(f"`{option}`" for option in parameter.options())
     if parameter.type() in ("number", "distance"):
         what += limits(parameter)
     if parameter.isDynamic():
-        what += "; a field or an expression, too"
+        what += f"; {tr('a field or an expression, too')}"
     default = shown(parameter.defaultValue())
     if parameter.flags() & flags.FlagOptional:
-        default = default or "none (optional)"
-    more = " *Advanced.*" if parameter.flags() & flags.FlagAdvanced else ""
+        default = default or tr("none (optional)")
+    more = f" *{tr('Advanced.')}*" if parameter.flags() & flags.FlagAdvanced else ""
     return (
         f"| `{parameter.name()}` | {cell(parameter.description())} | {what} | {default} | "
         f"{cell(parameter.help())}{more} |"
@@ -146,9 +189,9 @@ def result_row(parameter):
     from qgis.core import QgsProcessingParameterDefinition
 
     optional = parameter.flags() & QgsProcessingParameterDefinition.Flag.FlagOptional
-    what = KINDS[parameter.type()] + (", optional" if optional else "")
+    what = tr(KINDS[parameter.type()]) + (f", {tr('optional')}" if optional else "")
     if optional and not parameter.createByDefault():
-        what += ", off by default"
+        what += f", {tr('off by default')}"
     return f"| `{parameter.name()}` | {cell(parameter.description())} | {what} | {cell(parameter.help())} |"
 
 
@@ -159,12 +202,12 @@ def limits(parameter):
     low, high = parameter.minimum(), parameter.maximum()
     text = ""
     if parameter.dataType() == QgsProcessingParameterNumber.Type.Integer:
-        text += ", whole"
+        text += f", {tr('whole')}"
     # without a limit QGIS has the largest number that there is, or the tool one that fits its field
     if low > -(2**31):
-        text += f", at least {low:g}"
+        text += ", " + tr("at least {:g}").format(low)
     if high < 2**31 - 1:
-        text += f", at most {high:g}"
+        text += ", " + tr("at most {:g}").format(high)
     return text
 
 
@@ -180,15 +223,17 @@ def shown(value):
 def field(name, kind):
     """Return a field in words."""
     if name == "...":
-        return "all of the input"
+        return tr("all of the input")
     if name == "CLASS":
-        return "the class field"
+        return tr("the class field")
     if kind is None:
         return f"`{name}`"
     from isthmus.algorithms.layers import fields
 
-    kinds = {fields.INTEGER: "whole number", fields.LONG: "whole number", fields.REAL: "number",
-             fields.TEXT: "text"}  # fmt: skip
+    whole = tr("whole number")
+    kinds = {
+        fields.INTEGER: whole, fields.LONG: whole, fields.REAL: tr("number"), fields.TEXT: tr("text"),
+    }  # fmt: skip
     return f"`{name}` ({kinds[kind]})"
 
 
@@ -200,7 +245,7 @@ def example(tool, parameters):
     """Return a command with what must be given."""
     from qgis.core import QgsProcessingParameterDefinition
 
-    words = [f"qgis_process run {tool.id()}"]
+    words = ["qgis_process", "run", tool.id()]
     for p in parameters:
         optional = p.flags() & QgsProcessingParameterDefinition.Flag.FlagOptional
         if not optional and (p.isDestination() or p.defaultValue() is None):
@@ -215,11 +260,11 @@ def main():
 
     application = start()
     tools = QgsApplication.processingRegistry().providerById("isthmus").algorithms()
-    FOLDER.mkdir(parents=True, exist_ok=True)
     made = pages(sorted(tools, key=lambda tool: tool.id()))
-    for old in set(path.name for path in FOLDER.glob("*.md")) - set(made):
+    for old in {path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*.md")} - set(made):
         (FOLDER / old).unlink()
     for name, text in made.items():
+        (FOLDER / name).parent.mkdir(parents=True, exist_ok=True)
         (FOLDER / name).write_text(text, encoding="utf-8")
     print(f"{len(made)} pages in {FOLDER.relative_to(ROOT)}")
     stop(application)

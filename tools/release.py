@@ -21,7 +21,7 @@ import translate  # noqa: E402
 from check_plugin import placeholders  # noqa: E402
 
 PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>
+<html lang="{language}"><head><meta charset="utf-8"><title>{title}</title><style>
 body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em }}
 table {{ border-collapse: collapse }} td, th {{ border: 1px solid #bbb; padding: .3em .6em; text-align: left }}
 td {{ vertical-align: top }} code, pre {{ background: #eee }} pre {{ padding: .6em; overflow: auto }}
@@ -60,7 +60,8 @@ def metadata(text, owner, changes):
     version = re.search(r"^version=(.*)$", text, re.MULTILINE)[1]
     said = changes_of(changes, version)
     # the percent sign has a meaning for those who read this
-    said = said.replace(" %", " per cent").replace("%", " per cent").replace("`", "").splitlines()
+    said = said.replace(" %", " per cent").replace("%", " per cent").replace("`", "")
+    said = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", said).splitlines()
     return "\n".join([
         *lines, *(f"{key}={value}" for key, value in settings["owner"].items()),
         f"changelog=Version {version}", *(f"  {line}" for line in said if line.strip()), "",
@@ -75,7 +76,7 @@ def changes_of(text, version):
     return match[1].strip()
 
 
-def html_page(text):
+def html_page(text, language="en"):
     """Return a page of the reference as HTML; it has the Markdown that tools/reference.py writes."""
     body, rows, code = [], [], None
     for line in [*text.splitlines(), ""]:
@@ -99,7 +100,7 @@ def html_page(text):
             elif line.strip():
                 body.append(f"<p>{_inline(line)}</p>")
     title = re.search(r"^# (.*)$", text, re.MULTILINE)[1]
-    return PAGE.format(title=html.escape(title), body="\n".join(body))
+    return PAGE.format(language=language, title=html.escape(title), body="\n".join(body))
 
 
 def _table(rows):
@@ -119,7 +120,7 @@ def _inline(text):
             continue
         piece = re.sub(r"\*\*([^*]+)\*\*", r"<b>\1</b>", piece)
         piece = re.sub(r"\*([^*]+)\*", r"<i>\1</i>", piece)
-        pieces[k] = re.sub(r"\[([^]]*)\]\((\w+)\.md\)", r'<a href="\2.html">\1</a>', piece)
+        pieces[k] = re.sub(r"\[([^]]*)\]\(([\w./]+)\.md\)", r'<a href="\2.html">\1</a>', piece)
     return "".join(pieces)
 
 
@@ -132,10 +133,14 @@ def make(path):
             if info.filename != "isthmus/metadata.txt":
                 new.writestr(info, old.read(info))
         made = {"metadata.txt": data}
-        names = git("ls-tree", "--name-only", "HEAD", "docs/reference/", "i18n/").decode().splitlines()
+        names = git("ls-tree", "-r", "--name-only", "HEAD", "docs/reference/", "i18n/").decode().splitlines()
         for name in map(Path, names):
             if name.suffix == ".md":
-                made[f"help/{name.stem}.html"] = html_page(show(name.as_posix()))
+                page = name.relative_to("docs/reference")
+                language = page.parent.name or "en"
+                made[f"help/{page.with_suffix('.html').as_posix()}"] = html_page(
+                    show(name.as_posix()), language
+                )
             elif name.suffix == ".ts":
                 made[f"i18n/{name.stem}.qm"] = translate.compiled(translate.read(show(name.as_posix())))
         for name, content in made.items():

@@ -103,12 +103,13 @@ def faults(wanted, translations):
 
 def said():
     """Return all texts that are translated: those of the tools as they say them, others as they are in the code."""
+    import reference
     from isthmus.algorithms import packages
     from isthmus.algorithms.partition.cutting import PLACES
     from isthmus.algorithms.provider import IsthmusProvider
     from qgis.PyQt.QtCore import QCoreApplication, QTranslator
 
-    texts = {*packages.PURPOSES.values(), *packages.LICENCES.values(), *PLACES}
+    texts = {*packages.PURPOSES.values(), *packages.LICENCES.values(), *PLACES, *reference.KINDS.values()}
 
     class Listener(QTranslator):
         def isEmpty(self):
@@ -143,9 +144,9 @@ def said():
 
 def _modules():
     """The modules that speak to users, with their trees."""
-    for folder in ("gui", "algorithms", "core"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            yield path.relative_to(ROOT), ast.parse(path.read_text(encoding="utf-8"))
+    paths = [path for folder in ("gui", "algorithms", "core") for path in (ROOT / folder).rglob("*.py")]
+    for path in sorted(paths) + [ROOT / "tools" / "reference.py"]:
+        yield path.relative_to(ROOT), ast.parse(path.read_text(encoding="utf-8"))
 
 
 def _called(node):

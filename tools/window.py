@@ -352,9 +352,21 @@ def bar(dialog):
 
 
 def rough_polygon(count):
-    """A layer of one polygon like an island: a circle with noise of all wave lengths."""
+    """A layer of one polygon like an island."""
+    from qgis.core import QgsFeature, QgsVectorLayer
+
+    layer = QgsVectorLayer("Polygon?crs=EPSG:3035", "rough polygon", "memory")
+    feature = QgsFeature()
+    feature.setGeometry(rough_island(count))
+    layer.dataProvider().addFeatures([feature])
+    layer.updateExtents()
+    return layer
+
+
+def rough_island(count):
+    """A circle with noise of all wave lengths."""
     import numpy as np
-    from qgis.core import QgsFeature, QgsGeometry, QgsVectorLayer
+    from qgis.core import QgsGeometry
 
     random = np.random.default_rng(1)
     angle = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
@@ -362,17 +374,11 @@ def rough_polygon(count):
     wave[1:] **= -1.2
     noise = np.fft.irfft(wave * np.exp(2j * np.pi * random.random(len(wave))), count)
     radius = 1e6 * np.exp(0.35 * noise / noise.std())  # positive, so that no edges cross
-    x, y = radius * np.cos(angle), radius * np.sin(angle)
-    layer = QgsVectorLayer("Polygon?crs=EPSG:3035", "rough polygon", "memory")
-    feature = QgsFeature()
-    ring = np.rec.fromarrays([np.append(x, x[0]), np.append(y, y[0])], formats="<f8,<f8")
+    xy = np.c_[radius * np.cos(angle), radius * np.sin(angle)]
     head = np.array([3, 1, count + 1], "<u4").tobytes()
     geometry = QgsGeometry()
-    geometry.fromWkb(b"\x01" + head + ring.tobytes())
-    feature.setGeometry(geometry)
-    layer.dataProvider().addFeatures([feature])
-    layer.updateExtents()
-    return layer
+    geometry.fromWkb(b"\x01" + head + np.vstack((xy, xy[:1])).tobytes())
+    return geometry
 
 
 @scene

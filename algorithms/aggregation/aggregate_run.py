@@ -13,15 +13,15 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ...core.aggregation.areas import invalid, piece_fields, posed, reasons_of
+from ...core.aggregation.areas import beside, flaws, piece_fields, posed, reasons_of
 from ...core.aggregation.coverage import joined
-from ...core.aggregation.instance import costs
+from ...core.aggregation.instance import components, costs
 from ...core.aggregation.methods import by_method
 from ...core.aggregation.outcome import balance, outcome
 from ...core.aggregation.presets import PRESETS
 from ...core.aggregation.tables import distances, thresholds
 from ...core.errors import Cancelled, IsthmusError, Sentence
-from ..base import counted
+from ..base import amount, counted
 from ..layers import wkb
 from ..layers.fields import LONG, make_fields
 from ..layers.sinks import Sinks
@@ -29,7 +29,7 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..words import as_sentence, spoken, tr
 from . import areas as layer
-from . import report
+from . import report, style
 from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS
 from .areas_tool import field_index
 
@@ -50,7 +50,7 @@ def aggregate(tool, parameters, context, feedback):
         results = run.write(found, sinks)
         run.report(found, results, sinks)
     results.update(sinks.destinations)
-    style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml")
+    style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml", dress=run.legend)
     cost = costs(run.problem, found)
     size = float(np.sum(run.areas.size))
     results.update(
@@ -64,13 +64,13 @@ def aggregate(tool, parameters, context, feedback):
     )
     feedback.pushInfo(
         tr(
-            "Cost {:.6g}: class change {:.6g}, boundary {:.6g}, centre distance {:.6g}. {}; {:.2f} % "
-            "of the area changed its class."
+            "Cost {}: class change {}, boundary {}, centre distance {}. {}; {:.2f} % of the area changed its "
+            "class."
         ).format(
-            cost.total,
-            cost.change,
-            cost.boundary,
-            cost.centre,
+            amount(cost.total),
+            amount(cost.change),
+            amount(cost.boundary),
+            amount(cost.centre),
             counted(results[tool.REGION_COUNT], "region"),
             100 * results[tool.CHANGED_SHARE],
         )
@@ -182,17 +182,17 @@ class _Run:
         self.reader = Reader(self.source, feedback, keep=True)
         feedback.setProgressText(tr("Reading the areas"))
         areas = self.areas = layer.read(self.reader, crs)
+        layer.tell_scale(feedback, crs, areas.coverage.xy, self.context)
         feedback.setProgressText(tr("Finding shared boundaries"))
         texts = layer.texts(areas.features, self.class_index)
         self.reason = reasons_of(areas, texts, [
             Sentence("it is empty") if one.hasGeometry() else Sentence("it has no geometry")
             for one in areas.features
         ])  # fmt: skip
-        self._tell_invalid(set(invalid(areas).tolist()) - set(self.reason))
-        for k, reason in self.reason.items():
-            feedback.pushWarning(
-                tr("Area {} is left as it is: {}.").format(areas.features[k].id(), spoken(reason))
-            )
+        invalid, overlaps = flaws(areas)
+        self._tell_invalid(set(invalid.tolist()) - set(self.reason))
+        layer.tell_overlaps(feedback, areas.features, overlaps)
+        self._tell_left()
         self.classes = sorted({one for one in texts if one is not None})
         if not self.classes:
             feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
@@ -241,6 +241,17 @@ class _Run:
                 ).format(one_way)
             )
         return matrix
+
+    def _tell_left(self, most=20):
+        """Warn of areas that are left as they are."""
+        for k, reason in list(self.reason.items())[:most]:
+            self.feedback.pushWarning(
+                tr("Area {} is left as it is: {}.").format(self.areas.features[k].id(), spoken(reason))
+            )
+        if len(self.reason) > most:
+            self.feedback.pushWarning(
+                tr("... and {} more; see the field status.").format(len(self.reason) - most)
+            )
 
     def _tell_invalid(self, numbers, most=10):
         """Warn of areas that are not valid."""
@@ -301,12 +312,11 @@ class _Run:
         gap = max(0.0, 1.0 - result.bound / total) if total else 0.0
         if decompose:
             said = tr(
-                "No solution in which every area that is large enough by itself is a core costs less than "
-                "{:.6g}"
+                "No solution in which every area that is large enough by itself is a core costs less than {}"
             )
         else:
-            said = tr("No solution costs less than {:.6g}")
-        said = said.format(result.bound)
+            said = tr("No solution costs less than {}")
+        said = said.format(amount(result.bound))
         if not result.proven:
             said = tr("The time was over. {}").format(said)
         self.feedback.pushInfo(
@@ -373,17 +383,12 @@ class _Run:
         made = balance(self.problem, found, self.sources, self.classes)
         lost, many = (sum(row[k] for row in made.lost) for k in (1, 2))
         results[tool.LOST_COUNT] = lost
-        if many:
-            some = "; ".join(tr("{} {} of {}").format(name, gone, of) for name, gone, of in made.lost if gone)
-            self.feedback.pushInfo(
-                tr("Of {} above half of the minimum size, {} lost their class{}{}.").format(
-                    counted(many, "area"), lost, ": " * bool(some), some
-                )
-            )
+        self._tell_lost(made, lost, many)
         path = tool.parameterAsFileOutput(self.parameters, tool.REPORT, self.context)
         if not path or self.feedback.isCanceled():
             return
         weights = [f"{weight:g}" for weight in self.weights()]
+        theta, least = self.problem.theta, self.number(tool.THRESHOLD)
         intro = [
             tr("{} in {}, by {}.").format(
                 counted(len(self.problem.size), "area"),
@@ -391,11 +396,41 @@ class _Run:
                 self.choice(tool.METHOD),
             ),
             tr("Weights: class change {}, boundary {}, centre distance {}.").format(*weights),
+            tr("Minimum size: {} square metres; of some classes another.").format(amount(least))
+            if (theta[np.isfinite(theta)] != least).any()
+            else tr("Minimum size: {} square metres.").format(amount(least)),
         ]
         sinks.write_text(
             path, report.page(tr("Aggregation of {}").format(self.source.sourceName()), intro, made)
         )
         results[tool.REPORT] = path
+
+    def _tell_lost(self, made, lost, many, most=20):
+        """Tell which large areas lost their class, and which classes all of their areas."""
+        if many:
+            some = [tr("{}: {} of {}").format(name, gone, of) for name, gone, of in made.lost if gone]
+            self.feedback.pushInfo(
+                tr("Areas above half of the minimum size that lost their class: {} of {}{}.").format(
+                    lost, many, f" ({'; '.join(some[:most])}{'; ...' * (len(some) > most)})" * bool(some)
+                )
+            )
+        unwanted = np.isinf(self.problem.theta)
+        gone = [
+            tr("{} ({}, {} ha)").format(name, counted(areas, "area"), amount(size / 1e4))
+            for (name, areas, size, regions, _), excluded in zip(made.classes, unwanted.tolist())
+            if not regions and not excluded
+        ]
+        if gone:
+            self.feedback.pushInfo(
+                tr("Classes without any region: {}{}.").format(
+                    ", ".join(gone[:most]), ", ..." * (len(gone) > most)
+                )
+            )
+
+    def legend(self, regions):
+        """Give the layer of regions a legend, with a colour for each class of the map."""
+        values = [feature.attribute(self.class_index) for feature in self.areas.features]
+        style.by_class(regions, _region_fields(self.class_field)[1].name(), values)
 
     def _sources(self):
         """What identifies the area of each feature: pieces of one area have the same."""
@@ -416,21 +451,47 @@ class _Run:
         return layer.joined_geometry(self.areas, polygons, extra, multi)
 
     def _report_small(self, small, found, size, faults, most=20):
+        if len(small) == len(found.core) > 0:
+            self.feedback.pushWarning(
+                tr(
+                    "No region reaches its minimum size: is the threshold larger than the map? Those that "
+                    "hang together by shared boundaries have {} square metres at most."
+                ).format(amount(self._largest()))
+                if np.isfinite(self.problem.theta[:-1]).any()
+                else tr("No region may have a class of the map: all of them are excluded.")
+            )
+            most = 0
         for r in small[:most]:
             core = self.areas.features[int(found.core[r])]
-            said = tr("Region {} around area {} ({:.6g} square metres) could not be helped: {}.").format(
-                r + 1, core.id(), size[r], spoken(faults[r])
+            said = tr("Region {} around area {} ({} square metres) could not be helped: {}.").format(
+                r + 1, core.id(), amount(size[r]), spoken(faults[r])
             )
             if faults[r] == "too small":
                 said += " " + tr("It has no neighbours that would make it large enough.")
             self.feedback.pushWarning(said)
-        if len(small) > most:
+        if len(small) > most > 0:
             self.feedback.pushWarning(tr("... and {} more; see the field status.").format(len(small) - most))
-        if len(small) == len(found.core) > 0:
+        self._tell_beside(np.isin(found.region, [r for r in small if faults[r] == "too small"]), found)
+
+    def _largest(self):
+        """The size of the areas that hang together, the most."""
+        return np.bincount(components(self.problem), weights=self.problem.size).max(initial=0.0)
+
+    def _tell_beside(self, wanted, found):
+        """Say where areas are too small because a gap or an overlap keeps them from their neighbours."""
+        if not wanted.any():
+            return
+        label = components(self.problem)
+        label[list(self.reason)] = -1
+        pairs = beside(self.areas, label, wanted)
+        if len(pairs):
+            a, b = (self.areas.features[k].id() for k in pairs[0].tolist())
             self.feedback.pushWarning(
-                tr("No region reaches its minimum size: is the threshold larger than the map?")
-                if np.isfinite(self.problem.theta[:-1]).any()
-                else tr("No region may have a class of the map: all of them are excluded.")
+                tr(
+                    "Beside another area, but with no boundary in common because of a gap or an overlap: {}, "
+                    "such as area {} beside area {}. Gaps may be too narrow to be seen. Close them first, by "
+                    "v.clean or Snap geometries to layer."
+                ).format(counted(len(set(found.region[pairs[:, 0]].tolist())), "region"), a, b)
             )
 
     def _assignment(self, found, out, shapes, wkb_type, sinks):

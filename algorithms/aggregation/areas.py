@@ -3,7 +3,9 @@
 import numpy as np
 from qgis.core import (
     NULL,
+    QgsDistanceArea,
     QgsGeometry,
+    QgsRectangle,
     QgsUnitTypes,
     QgsWkbTypes,
 )
@@ -11,8 +13,12 @@ from qgis.core import (
 from ...core.aggregation import tables
 from ...core.aggregation.areas import arrange
 from ...core.rings import offsets_of
+from ..base import counted
 from ..layers import wkb
-from ..partition.solving import measure_of
+from ..partition.solving import degrees_of, measure_of
+from ..words import tr
+
+ODD = 0.05  # how much larger or smaller than on the ground sizes may be before it is said
 
 
 def with_dimensions(geometry, wkb_type):
@@ -35,9 +41,66 @@ def with_dimensions(geometry, wkb_type):
 def metres_of(crs):
     """Return the metres in one unit of `measure_of` a CRS; 1 where the unit is not known."""
     unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
-    if crs.isGeographic() or not crs.isValid() or crs.mapUnits() == unknown:
+    if degrees_of(crs) or not crs.isValid() or crs.mapUnits() == unknown:
         return 1.0
     return QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
+
+
+def tell_scale(feedback, crs, places, context):
+    """Warn where the plane of a layer is no place to measure areas in, as that of Web Mercator.
+
+    Parameters
+    ----------
+    feedback : QgsProcessingFeedback
+    crs : QgsCoordinateReferenceSystem
+    places : (p, 2) float
+        Points of the map.
+    context : QgsProcessingContext
+    """
+    if not crs.isValid() or not len(places):
+        return
+    degrees = degrees_of(crs)
+    if degrees:
+        low, high = float(places[:, 1].min()), float(places[:, 1].max())
+        if min(low, -high) * degrees < -90.0:
+            feedback.pushWarning(
+                tr(
+                    "The CRS of the layer, {}, is in degrees, but the layer reaches from latitude {:.10g} to "
+                    "{:.10g}: sizes and lengths will be wrong. Give it the CRS that it has (Assign "
+                    "projection)."
+                ).format(crs.authid(), low, high)
+            )
+        return
+    (x, y), half = np.median(places, axis=0).tolist(), 500.0 / metres_of(crs)
+    square = QgsRectangle(x - half, y - half, x + half, y + half)
+    ground = QgsDistanceArea()
+    ground.setSourceCrs(crs, context.transformContext())
+    ground.setEllipsoid(crs.ellipsoidAcronym())
+    true = ground.measureArea(QgsGeometry.fromRect(square))
+    true = ground.convertAreaMeasurement(true, QgsUnitTypes.AreaUnit.AreaSquareMeters)
+    ratio = square.area() * metres_of(crs) ** 2 / true if true > 0.0 else 1.0
+    if not 1.0 - ODD <= ratio <= 1.0 + ODD and np.isfinite(ratio):
+        feedback.pushWarning(
+            tr(
+                "In the CRS of the layer, {}, areas in the middle of the map are {:.2f} times as large as on "
+                "the ground, and all sizes are measured in it. Use Reproject layer first, to an equal-area "
+                "CRS."
+            ).format(crs.authid(), ratio)
+        )
+
+
+def tell_overlaps(feedback, features, overlaps, most=10):
+    """Warn of pairs of areas that overlap, by their numbers."""
+    if len(overlaps):
+        some = ", ".join(
+            tr("{} and {}").format(features[a].id(), features[b].id()) for a, b in overlaps[:most].tolist()
+        )
+        feedback.pushWarning(
+            tr(
+                "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part "
+                "twice."
+            ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most))
+        )
 
 
 def read(reader, crs):

@@ -1,5 +1,7 @@
 """What ``isthmus:prepareaggregation`` runs."""
 
+from typing import NamedTuple
+
 import numpy as np
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -42,14 +44,12 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
     """Cut the areas, write the pieces and the table; return the numbers, none if cancelled."""
     class_index = field_index(tool, parameters, context, source, tool.CLASS)
     crs, reader = source.sourceCrs(), Reader(source, feedback)
-    multi = QgsWkbTypes.isMultiType(reader.wkb_type)
     own = QgsProcessingUtils.combineFields(source.fields(), make_fields(PIECE_FIELDS))
     sinks.open(tool.OUTPUT, own, reader.wkb_type, crs)
     with_table = sinks.open(
         tool.ADJACENCY, make_fields(PAIR_FIELDS), QgsWkbTypes.Type.NoGeometry,
         QgsCoordinateReferenceSystem(), False,
     )  # fmt: skip
-    tau = tool.parameterAsDouble(parameters, tool.TAU, context)
     objective = tool.parameterAsEnumString(parameters, tool.OBJECTIVE, context)
     settings = Settings(
         measure=measure_of(crs),
@@ -60,122 +60,169 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         weigh=weigh_by_length if objective == BY_LENGTH else None,
         all_dilations=False,
     )
+    tau = tool.parameterAsDouble(parameters, tool.TAU, context)
 
-    check = checker(reader.progress, feedback.isCanceled)
-    kept, cut, classless, short = [], [], 0, 0  # areas, and their pieces chunk by chunk
     try:
-        for features in reader.chunks():
-            for feature in features:
-                classless += layer.text(feature.attributes()[class_index]) is None
-                feature.setGeometry(layer.with_dimensions(feature.geometry(), reader.wkb_type))
-            for chunk in read(features, settings, feedback):
-                problem = prepare(chunk, settings, check)
-                selection = select(
-                    problem.prepared,
-                    tau,
-                    weight=problem.weight,
-                    check=check,
-                    with_dilation=False,
-                )
-                short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
-                parts = finish(problem.prepared, selection, check=check).parts
-                found = pieces(problem, parts)
-                coords = problem.chunk.rings.coords
-                cut.append(
-                    (
-                        chunk.owner[found.polygon] + len(kept),
-                        problem.verdict[found.polygon],
-                        Rings(coords[found.rows], found.offsets, found.ring_offsets),
-                        found.rows >= len(chunk.rings.coords),
-                    )
-                )
-                # others may come out as they came
-                for number in np.setdiff1d(chunk.owner, chunk.owner[problem.verdict != ""]).tolist():
-                    chunk.features[number].clearGeometry()  # of 55,191 areas 0.03 GB
-                kept += chunk.features
+        cut = _cut(reader, class_index, settings, tau, feedback)
     except Cancelled:
         return {}
-    area = np.concatenate([np.empty(0, dtype=np.int64)] + [number for number, *_ in cut])
-    status = np.concatenate([np.empty(0, dtype=object)] + [verdict for _, verdict, *_ in cut])
-    of_area = offsets_of(np.bincount(area, minlength=len(kept))).tolist()
-    skipped = 0
-    for number, feature in enumerate(kept):
-        lo, hi = of_area[number], of_area[number + 1]
-        problems = reasons_of(feature, status[lo:hi])
-        if problems:
-            skipped += 1
-            feedback.pushWarning(
-                tr("Area {} was not cut: {}.").format(feature.id(), "; ".join(map(spoken, problems)))
-            )
+    skipped = _tell_skipped(cut, feedback)
     if feedback.isCanceled():
         return {}
 
     feedback.setProgressText(tr("Finding shared boundaries"))
-    rings = joined_rings([own for _, _, own, _ in cut])
-    is_new = np.concatenate([np.empty(0, dtype=bool)] + [new for *_, new in cut])
-    found, rings, grown = arrange_pieces(rings, is_new, settings.measure, layer.metres_of(crs))
-    geometries = wkb.polygon_geometries(
-        rings.coords,
-        np.arange(len(rings.coords)),
-        rings.offsets,
-        rings.polygon_offsets,
-        [wkb.dimensions(reader.wkb_type)] * len(area),
-        multi,
-    )
-    for k, (number, reason, size, geometry) in enumerate(
-        zip(area.tolist(), status.tolist(), found.size.tolist(), geometries)
-    ):
-        feature = kept[number]
-        if reason and of_area[number + 1] - of_area[number] == 1 and not grown[k]:
-            # as it came, even with a ring that is not closed
-            own = feature.geometry()
-            if not QgsWkbTypes.isCurvedType(own.wkbType()):
-                geometry = own
-                if multi:
-                    geometry.convertToMultiType()
-        values = [feature.id(), k + 1, size, reason]
-        sinks.add(tool.OUTPUT, geometry, feature.attributes() + values, Sentence("area {}", feature.id()))
-    empty = [number for number in range(len(kept)) if of_area[number] == of_area[number + 1]]
-    for number in empty:
-        feature = kept[number]
-        (reason,) = reasons_of(feature, ())
-        values = [feature.id(), layer.NULL, 0.0, reason]
-        sinks.add(
-            tool.OUTPUT, feature.geometry(), feature.attributes() + values, Sentence("area {}", feature.id())
-        )
-
+    found, rings, grown = arrange_pieces(cut.rings, cut.is_new, settings.measure, layer.metres_of(crs))
+    layer.tell_scale(feedback, crs, found.coverage.xy, context)
+    _write_pieces(tool, sinks, reader.wkb_type, cut, rings, found.size, grown)
+    empty = _write_empty(tool, sinks, cut)
     if with_table:
-        pairs, length = neighbours(found)
-        virtual = (area[pairs[:, 0]] == area[pairs[:, 1]]).astype(int)
-        for (a, b), shared, cut in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-            sinks.add(tool.ADJACENCY, None, [a + 1, b + 1, shared, cut])
+        _write_pairs(tool, sinks, cut, *neighbours(found))
 
     wrong = faults(found.coverage)
-    overlaps = np.unique(np.sort(area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
+    overlaps = np.unique(np.sort(cut.area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
     overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
-    _report(feedback, kept, overlaps, wrong.gaps, classless)
-    report_short(feedback, short)
+    _report(feedback, cut.features, overlaps, wrong.gaps, cut.classless)
+    report_short(feedback, cut.short)
     return {
-        tool.AREA_COUNT: len(kept),
-        tool.PIECE_COUNT: len(area) + len(empty),
+        tool.AREA_COUNT: len(cut.features),
+        tool.PIECE_COUNT: len(cut.area) + empty,
         tool.SKIPPED_COUNT: skipped,
         tool.OVERLAP_COUNT: len(overlaps),
         tool.GAP_COUNT: len(wrong.gaps),
     }
 
 
+class _Cut(NamedTuple):
+    """The areas, and the pieces that they were cut into.
+
+    features : list of QgsFeature
+        The areas; those that were cut have lost their geometry.
+    area : (q,) int
+        The area of each piece, ascending.
+    verdict : (q,) object
+        For each piece '', or why its polygon was not cut.
+    rings : Rings
+    is_new : (k,) bool
+        Which of their rows are new vertices.
+    classless, short : int
+        Areas without a class, and edges where a cut is missing for want of a vertex.
+    """
+
+    features: list
+    area: np.ndarray
+    verdict: np.ndarray
+    rings: Rings
+    is_new: np.ndarray
+    classless: int
+    short: int
+
+    @property
+    def bounds(self):
+        """List of int: where the pieces of each area begin, and where those of the last one end."""
+        return offsets_of(np.bincount(self.area, minlength=len(self.features))).tolist()
+
+
+def _cut(reader, class_index, settings, tau, feedback):
+    """Cut the areas, chunk by chunk; may raise Cancelled."""
+    check = checker(reader.progress, feedback.isCanceled)
+    kept, classless, short = [], 0, 0
+    area, verdict, rings, is_new = [], [], [], []
+    for features in reader.chunks():
+        for feature in features:
+            classless += layer.text(feature.attributes()[class_index]) is None
+            feature.setGeometry(layer.with_dimensions(feature.geometry(), reader.wkb_type))
+        for chunk in read(features, settings, feedback):
+            problem = prepare(chunk, settings, check)
+            selection = select(problem.prepared, tau, weight=problem.weight, check=check, with_dilation=False)
+            short += without_vertex(problem, selection, np.full(len(chunk.features), tau))
+            found = pieces(problem, finish(problem.prepared, selection, check=check).parts)
+            coords = problem.chunk.rings.coords
+            area.append(chunk.owner[found.polygon] + len(kept))
+            verdict.append(problem.verdict[found.polygon])
+            rings.append(Rings(coords[found.rows], found.offsets, found.ring_offsets))
+            is_new.append(found.rows >= len(chunk.rings.coords))
+            # others may come out as they came
+            for number in np.setdiff1d(chunk.owner, chunk.owner[problem.verdict != ""]).tolist():
+                chunk.features[number].clearGeometry()  # of 55,191 areas 0.03 GB
+            kept += chunk.features
+    return _Cut(
+        features=kept,
+        area=np.concatenate([np.empty(0, dtype=np.int64), *area]),
+        verdict=np.concatenate([np.empty(0, dtype=object), *verdict]),
+        rings=joined_rings(rings),
+        is_new=np.concatenate([np.empty(0, dtype=bool), *is_new]),
+        classless=classless,
+        short=short,
+    )
+
+
+def _tell_skipped(cut, feedback):
+    """Tell which areas were not cut, or not all of them, and why; return how many."""
+    skipped, bounds = 0, cut.bounds
+    for feature, lo, hi in zip(cut.features, bounds[:-1], bounds[1:]):
+        problems = reasons_of(feature, cut.verdict[lo:hi])
+        if problems:
+            skipped += 1
+            feedback.pushWarning(
+                tr("Area {} was not cut: {}.").format(feature.id(), "; ".join(map(spoken, problems)))
+            )
+    return skipped
+
+
+def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
+    """Write the pieces, numbered from 1."""
+    multi, bounds = QgsWkbTypes.isMultiType(wkb_type), cut.bounds
+    geometries = wkb.polygon_geometries(
+        rings.coords,
+        np.arange(len(rings.coords)),
+        rings.offsets,
+        rings.polygon_offsets,
+        [wkb.dimensions(wkb_type)] * len(cut.area),
+        multi,
+    )
+    for k, (number, reason, own_size, geometry) in enumerate(
+        zip(cut.area.tolist(), cut.verdict.tolist(), size.tolist(), geometries)
+    ):
+        feature = cut.features[number]
+        if reason and bounds[number + 1] - bounds[number] == 1 and not grown[k]:
+            # as it came, even with a ring that is not closed
+            own = feature.geometry()
+            if not QgsWkbTypes.isCurvedType(own.wkbType()):
+                geometry = own
+                if multi:
+                    geometry.convertToMultiType()
+        _add_piece(tool, sinks, feature, geometry, [k + 1, own_size, reason])
+
+
+def _write_empty(tool, sinks, cut):
+    """Write the areas that have no pieces; return how many."""
+    empty = np.flatnonzero(np.diff(cut.bounds) == 0).tolist()
+    for number in empty:
+        feature = cut.features[number]
+        (reason,) = reasons_of(feature, ())
+        _add_piece(tool, sinks, feature, feature.geometry(), [layer.NULL, 0.0, reason])
+    return len(empty)
+
+
+def _add_piece(tool, sinks, feature, geometry, values):
+    sinks.add(
+        tool.OUTPUT,
+        geometry,
+        [*feature.attributes(), feature.id(), *values],
+        Sentence("area {}", feature.id()),
+    )
+
+
+def _write_pairs(tool, sinks, cut, pairs, length):
+    """Write the table of neighbours."""
+    virtual = (cut.area[pairs[:, 0]] == cut.area[pairs[:, 1]]).astype(int)
+    for (a, b), shared, same in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
+        sinks.add(tool.ADJACENCY, None, [a + 1, b + 1, shared, same])
+
+
 def _report(feedback, kept, overlaps, gaps, classless, most=10):
     """Tell what is wrong with the coverage."""
-    if len(overlaps):
-        some = ", ".join(
-            tr("{} and {}").format(kept[a].id(), kept[b].id()) for a, b in overlaps[:most].tolist()
-        )
-        feedback.pushWarning(
-            tr(
-                "{} of areas overlap: {}{}. Nothing was changed about that; sizes count the common part "
-                "twice."
-            ).format(counted(len(overlaps), "pair"), some, " ..." * (len(overlaps) > most))
-        )
+    layer.tell_overlaps(feedback, kept, overlaps)
     if len(gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in gaps[:most].tolist())
         feedback.pushWarning(

@@ -2,10 +2,15 @@
 
 import html
 
+from ..base import amount, grouped
 from ..partition.report import STYLE
 from ..words import spoken, tr
 
-BAR = ".bar { display: inline-block; height: .8em; background: #2b6ca3 } td.text { text-align: left }"
+BAR = """
+.bar { display: inline-block; height: .8em; background: #2b6ca3 }
+td.text, th:first-child { text-align: left }
+h2 + p { color: #555; margin: 0 }
+"""
 
 
 def page(title, intro, balance):
@@ -20,23 +25,25 @@ def page(title, intro, balance):
     """
     total = balance.costs[-1][2]
     cost_rows = [
-        (spoken(name), f"{before:.6g}", f"{after:.6g}", *_share(after, total))
+        (spoken(name), amount(before), amount(after), *_share(after, total))
         for name, before, after in balance.costs
     ]
     size = sum(row[2] for row in balance.classes)
     class_rows = [
         (
             name,
-            f"{areas:,}",
-            f"{before / 1e4:,.1f}",
+            grouped(areas),
+            grouped(before / 1e4, ",.1f"),
             *_share(before, size),
-            f"{regions:,}",
-            f"{after / 1e4:,.1f}",
+            grouped(regions),
+            grouped(after / 1e4, ",.1f"),
             *_share(after, size),
         )
         for name, areas, before, regions, after in balance.classes
     ]
-    lost_rows = [(name, f"{many:,}", f"{lost:,}", *_share(lost, many)) for name, lost, many in balance.lost]
+    lost_rows = [
+        (name, grouped(many), grouped(lost), *_share(lost, many)) for name, lost, many in balance.lost
+    ]
     body = [
         f"<h1>{html.escape(title)}</h1>",
         *(f"<p>{html.escape(text)}</p>" for text in intro),
@@ -99,7 +106,4 @@ def _table(title, caption, names, rows):
 
     lines = "".join(f"<tr>{''.join(cell(value, not k) for k, value in enumerate(row))}</tr>" for row in rows)
     head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-    return (
-        f"<h2>{html.escape(title)}</h2><table><caption>{html.escape(caption)}</caption>"
-        f"<tr>{head}</tr>{lines}</table>"
-    )
+    return f"<h2>{html.escape(title)}</h2><p>{html.escape(caption)}</p><table><tr>{head}</tr>{lines}</table>"

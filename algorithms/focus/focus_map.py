@@ -280,7 +280,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         problem = scipy_problem()
         return (
             problem
-            or self.number_problem(parameters, context, self.SCALE, 0.0)
+            or self.number_problem(parameters, context, self.SCALE, 0.01)
+            or self.limit_problem(parameters, context, self.SCALE)
             or self.number_problem(parameters, context, self.TAU, 1.0)
             or self.limit_problem(parameters, context, self.SMALLEST_PART)
             or self.number_problem(parameters, context, self.GROWTH, 0.0)

@@ -30,6 +30,7 @@ from ...core.focus.globe import on_the_globe
 from ...core.focus.graph import match
 from ...core.focus.selection import rule_of
 from ...core.metric import FARTHEST
+from ...core.wkb import joined
 from ..layers import wkb
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
@@ -115,15 +116,10 @@ def _read(source, feedback):
                 "{:g}: feature {}."
             ).format(FARTHEST, ids)
         )
-    counts = [count for one in runs for count in one.counts]
-    if not counts:
+    rows, starts, polygons = joined(runs)
+    if len(starts) == 1:
         raise QgsProcessingException(tr("The map has no features with a geometry that can be moved."))
-    polygons, first = [], 0
-    for one in runs:
-        polygons += [[first + ring for ring in rings] for rings in one.polygons]
-        first += len(one.counts)
-    rows = np.concatenate([one.xy for one in runs])
-    return _Map(held, runs, rows, np.append(0, np.cumsum(counts)), polygons)
+    return _Map(held, runs, rows, starts, polygons)
 
 
 def _solve(tool, parameters, context, feedback, given, focus_source, crs):
@@ -133,6 +129,7 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
     if crs.isGeographic():
+        _refuse_beyond_the_globe(given.rows, crs)
         growth, aspect = on_the_globe(given.rows, growth)
         feedback.pushInfo(
             tr(
@@ -157,11 +154,24 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
         return None
     except IsthmusError as problem:
         raise QgsProcessingException(as_sentence(spoken(problem.sentence))) from None
-    if crs.isGeographic() and not (np.abs(result.rows) <= (180.0, 90.0)).all():
+    reach = np.maximum(np.abs(given.rows).max(axis=0), (180.0, 90.0))  # longitudes may go from 0 to 360
+    if crs.isGeographic() and not (np.abs(result.rows) <= reach).all():
         raise QgsProcessingException(
             tr("The map would grow beyond the globe. Keep its extent (switch the frame on).")
         )
     return result
+
+
+def _refuse_beyond_the_globe(rows, crs):
+    """Complain of what is in metres, most likely."""
+    beyond = ~(np.abs(rows) <= (360.0, 90.0)).all(axis=1)
+    if beyond.any():
+        x, y = rows[np.argmax(beyond)].tolist()
+        raise QgsProcessingException(
+            tr("The map is in degrees ({}), and ({:g} {:g}) is beyond the globe. Is its CRS right?").format(
+                crs.authid(), x, y
+            )
+        )
 
 
 def _tell(feedback, result):
@@ -352,8 +362,11 @@ def _geometries(source, crs, context):
         if geometry.isNull() or geometry.isEmpty():
             continue
         if transform.isValid() and not transform.isShortCircuited():
+            finite = geometry.boundingBox().isFinite()
             try:
                 geometry.transform(transform)
+                if finite and not geometry.boundingBox().isFinite():
+                    raise QgsCsException("")
             except QgsCsException:
                 raise QgsProcessingException(
                     tr(

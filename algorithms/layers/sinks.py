@@ -13,10 +13,12 @@ from qgis.core import (
     QgsProcessing,
     QgsProcessingException,
     QgsProcessingOutputLayerDefinition,
+    QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
     QgsProcessingParameterMultipleLayers,
     QgsProperty,
     QgsProviderRegistry,
+    QgsVectorFileWriter,
 )
 
 from ...core.errors import Sentence
@@ -45,7 +47,8 @@ def overwriting(tool, parameters, context):
     for definition in tool.parameterDefinitions():
         if not definition.isDestination():
             continue
-        file, table = _place_written(parameters.get(definition.name()))
+        is_layer = isinstance(definition, QgsProcessingParameterFeatureSink)
+        file, table = _place_written(parameters.get(definition.name()), is_layer)
         if file is None:
             continue
         for (other, layer), what in taken.items():
@@ -83,7 +86,7 @@ def _places_read(tool, definition, parameters, context):
                 yield os.path.realpath(path), parts.get("layerName") or Path(path).stem
 
 
-def _place_written(value):
+def _place_written(value, is_layer):
     """File and layer of a destination: (None, None) for none, no layer for the whole file."""
     if isinstance(value, QgsProcessingOutputLayerDefinition):
         if _appends(value):
@@ -98,6 +101,8 @@ def _place_written(value):
         return os.path.realpath(uri.database()), uri.table() or None
     if ":" in value[2:]:  # memory: and the like; the colon of a drive is the second character
         return None, None
+    if is_layer and not QgsVectorFileWriter.driverForExtension(Path(value).suffix[1:]):
+        value += ".gpkg"  # as QGIS does
     return os.path.realpath(value), None
 
 
@@ -109,7 +114,7 @@ class Sinks:
 
     At its end what was written to files is read again, because some formats lose the end of a layer
     on a full disk without a word. After an error, or if the user has cancelled, files that are half
-    written are removed: they would look complete.
+    written are removed: they would look complete. To a layer that was there before nothing is added then.
 
     Parameters
     ----------
@@ -131,6 +136,7 @@ class Sinks:
             raise QgsProcessingException(problem)
         self.destinations, self.fields = {}, {}
         self._sinks, self._written, self._texts = {}, {}, []
+        self._held = {}  # what is added to layers that were there before, all at once in the end
 
     def open(self, name, fields, wkb_type, crs, needed=True):
         """Open a sink; return whether it is wanted.
@@ -144,6 +150,8 @@ class Sinks:
         if sink is not None:
             self._sinks[name], self.fields[name] = sink, fields
             self.destinations[name], self._written[name] = destination, 0
+            if _appends(self.parameters.get(name)):
+                self._held[name] = []
         elif needed or self.parameters.get(name):
             raise QgsProcessingException(self.tool.invalidSinkError(self.parameters, name))
         return sink is not None
@@ -158,13 +166,10 @@ class Sinks:
             feature.setGeometry(geometry)
         # Qt takes no subclass of str for a text
         feature.setAttributes([str(value) if isinstance(value, Sentence) else value for value in values])
-        if not sink.addFeature(feature, _FAST):
-            raise QgsProcessingException(
-                tr(
-                    "A result{} could not be written (is the disk full, or a value too long or unknown to "
-                    "the format?): {}"
-                ).format(origin and f" ({spoken(origin)})", sink.lastError())
-            )
+        if name in self._held:
+            self._held[name].append(feature)
+        elif not sink.addFeature(feature, _FAST):
+            raise QgsProcessingException(_not_written(sink, origin))
         self._written[name] += 1
 
     def write_text(self, path, text):
@@ -181,12 +186,17 @@ class Sinks:
 
     def __exit__(self, kind, error, trace):
         traceback.clear_frames(trace)  # where a sink was at work when it failed
+        message = ""
+        if kind is None and not self.feedback.isCanceled():
+            for name, features in self._held.items():
+                if not self._sinks[name].addFeatures(features, _FAST):
+                    message = message or _not_written(self._sinks[name])
         self._sinks.clear()  # this closes them
         if kind is None and not self.feedback.isCanceled():
             lost = [name for name in self.destinations if not self._is_complete(name)]
-            if not lost:
+            if not lost and not message:
                 return
-            message = self._message(lost)
+            message = message or self._message(lost)
             self._discard()
             raise QgsProcessingException(message)
         if self._discard() and kind is None:
@@ -215,7 +225,9 @@ class Sinks:
         """Remove the files of this run; whether there were any."""
         found = False
         for name, destination in list(self.destinations.items()):
-            if _path(destination) is not None and not _appends(self.parameters.get(name)):
+            if name in self._held:
+                del self.destinations[name]
+            elif _path(destination) is not None:
                 _remove(destination)
                 del self.destinations[name]
                 found = True
@@ -224,6 +236,13 @@ class Sinks:
                 os.unlink(path)
                 found = True
         return found
+
+
+def _not_written(sink, origin=""):
+    return tr(
+        "A result{} could not be written (is the disk full, or a value too long or unknown to "
+        "the format?): {}"
+    ).format(origin and f" ({spoken(origin)})", sink.lastError())
 
 
 def _path(destination):

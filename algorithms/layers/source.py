@@ -3,7 +3,7 @@
 from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
 
 from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
-from .wkb import common_type
+from .wkb import common_type, is_patched, patches
 
 # the tools check geometries themselves, and pass invalid ones through
 WITHOUT_VALIDITY_CHECK = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
@@ -42,14 +42,15 @@ class Reader:
             self.sizes.append(size)
             if keep:
                 self.kept.append(feature)
-        self.wkb_type = common_type(types)
+        self.wkb_type, self.patched = common_type(types), any(map(is_patched, types))
         self.total = sum(self.sizes) or 1
         self.done, self.size = 0, 0
 
     def _features(self):
-        if self.kept is not None:
-            return self.kept
-        return self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        features = self.kept
+        if features is None:
+            features = self.source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)
+        return map(_in_polygons, features) if self.patched else features
 
     def __iter__(self):
         for feature, size in zip(self._features(), self.sizes):
@@ -83,3 +84,10 @@ class Reader:
     def progress(self, share):
         """Report the share done of the current feature or chunk."""
         self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
+
+
+def _in_polygons(feature):
+    """The feature, with triangles, polyhedral surfaces and TINs as polygons."""
+    if feature.hasGeometry() and is_patched(feature.geometry().wkbType()):
+        feature.setGeometry(patches(feature.geometry()))
+    return feature

@@ -15,13 +15,15 @@ STYLES = Path(__file__).parents[2] / "resources" / "styles"
 class _Styler(QgsProcessingLayerPostProcessorInterface):
     """Gives a loaded result its style, and its place among the results of the run."""
 
-    def __init__(self, style, rank):
+    def __init__(self, style, rank, dress):
         super().__init__()
-        self.style, self.rank = style, rank
+        self.style, self.rank, self.dress = style, rank, dress
 
     def postProcessLayer(self, layer, context, feedback):
         if self.style:
             layer.loadNamedStyle(str(STYLES / self.style))
+            if self.dress:
+                self.dress(layer)
             layer.triggerRepaint()
         _arrange(context)
 
@@ -53,13 +55,14 @@ def _arrange(context):
 _stylers = []  # those that wait for their layer: Python must not delete them
 
 
-def style_on_load(context: QgsProcessingContext, destination, style, rank=1):
+def style_on_load(context: QgsProcessingContext, destination, style, rank=1, dress=None):
     """Give a result its style, if any, and its place if Processing loads it into a project.
 
-    Results of a lower rank lie above those of a higher one.
+    Results of a lower rank lie above those of a higher one. ``dress`` is called with the layer that has got
+    its style.
     """
     if destination and context.willLoadLayerOnCompletion(destination):
         # one for each result: the context deletes it in the end, whatever the documentation says
-        styler = _Styler(style, rank)
+        styler = _Styler(style, rank, dress)
         _stylers[:] = [old for old in _stylers if not sip.isdeleted(old)] + [styler]
         context.layerToLoadOnCompletionDetails(destination).setPostProcessor(styler)

@@ -4,6 +4,7 @@ Through WKB: coordinates, Z and M included, come and go bit for bit.
 """
 
 import struct
+from functools import lru_cache
 
 import numpy as np
 from qgis.core import QgsGeometry, QgsWkbTypes
@@ -32,58 +33,91 @@ def read_polygons(geometries):
     """
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
-        abstract = None if geometry.isNull() or geometry.isEmpty() else geometry.constGet()
-        if abstract is not None and QgsWkbTypes.isCurvedType(abstract.wkbType()):
-            abstract = abstract.segmentize()
-        kind = QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
-        extra.append(dimensions(kind))
-        if QgsWkbTypes.flatType(QgsWkbTypes.singleType(kind)) != QgsWkbTypes.Type.Polygon:
-            continue
-        data = bytes(abstract.asWkb())
-        size = wkb.width(extra[-1])
-        (count,), place = _COUNT.unpack_from(data, 5), 9
-        for _ in range(count if QgsWkbTypes.isMultiType(kind) else 1):
-            if QgsWkbTypes.isMultiType(kind):
-                (rings,), place = _COUNT.unpack_from(data, place + 5), place + 9
-            else:
-                rings = count
-            owner.append(number)
-            ring_counts.append(rings)
-            for _ in range(rings):
-                (points,) = _COUNT.unpack_from(data, place)
-                runs.append((data, points, size, place + 4))
-                place += 4 + 8 * points * size
-    most = max((size for _, _, size, _ in runs), default=2)
-    frombuffer = np.frombuffer
-    pieces = [frombuffer(data, "<f8", points * size, place) for data, points, size, place in runs]
-    points = np.array([points for _, points, _, _ in runs], dtype=np.int64)
-    if all(size == most for _, _, size, _ in runs):
-        coords = np.concatenate(pieces) if pieces else np.empty(0)
-        coords = coords.reshape(-1, most)
-    else:
-        coords = np.zeros((points.sum(), most))
-        for piece, (_, count, size, _), at in zip(pieces, runs, offsets_of(points).tolist()):
-            coords[at : at + count, :size] = piece.reshape(-1, size)
-
-    # drop the closing vertices; one with another Z or M is a vertex of its own
-    offsets = offsets_of(points)
-    long = np.flatnonzero(points > 1)
-    bits = coords.view(np.int64)
-    closed = (bits[offsets[:-1][long]] == bits[offsets[1:][long] - 1]).all(axis=1)
-    kept = np.ones(len(coords), dtype=bool)
-    kept[offsets[1:][long][closed] - 1] = False
-    points[long[closed]] -= 1
-    rings = Rings(coords[kept], offsets_of(points), offsets_of(ring_counts))
+        abstract = _straight(geometry)
+        own_extra, is_polygon, multi = _facts(
+            QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
+        )
+        extra.append(own_extra)
+        if is_polygon:
+            data = bytes(abstract.asWkb())
+            counts = _find_rings(data, multi, wkb.width(extra[-1]), runs)
+            owner += [number] * len(counts)
+            ring_counts += counts
+    coords, offsets = _without_closing(*_coordinates(runs))
+    rings = Rings(coords, offsets, offsets_of(ring_counts))
     owner = np.array(owner, dtype=np.int64)
-    empty = np.diff(rings.offsets[rings.polygon_offsets]) == 0
+    empty = np.diff(offsets[rings.polygon_offsets]) == 0
     if empty.any():
         ring, polygon_offsets = take(rings.polygon_offsets, np.flatnonzero(~empty))
-        rings = Rings(rings.coords, offsets_of(points[ring]), polygon_offsets)
+        rings = Rings(coords, offsets_of(np.diff(offsets)[ring]), polygon_offsets)
         owner = owner[~empty]
     return rings, owner, extra
 
 
 _COUNT = struct.Struct("<I")
+
+
+def _straight(geometry):
+    """A geometry with segments for curves; None if nothing is in it."""
+    if geometry.isNull() or geometry.isEmpty():
+        return None
+    abstract = geometry.constGet()
+    return abstract.segmentize() if QgsWkbTypes.isCurvedType(abstract.wkbType()) else abstract
+
+
+def _find_rings(data, multi, size, runs):
+    """Add where each ring of a polygon is in its WKB to the runs; how many rings each polygon has.
+
+    A run is (WKB, number of points, ordinates of each, first byte).
+    """
+    (count,), place = _COUNT.unpack_from(data, 5), 9
+    counts = []
+    for _ in range(count if multi else 1):
+        if multi:
+            (rings,), place = _COUNT.unpack_from(data, place + 5), place + 9
+        else:
+            rings = count
+        counts.append(rings)
+        for _ in range(rings):
+            (points,) = _COUNT.unpack_from(data, place)
+            runs.append((data, points, size, place + 4))
+            place += 4 + 8 * points * size
+    return counts
+
+
+def _coordinates(runs):
+    """The points of all runs, with as many ordinates as the widest has, and where each run begins."""
+    most = max((size for _, _, size, _ in runs), default=2)
+    frombuffer = np.frombuffer
+    pieces = [frombuffer(data, "<f8", points * size, place) for data, points, size, place in runs]
+    offsets = offsets_of(np.array([points for _, points, _, _ in runs], dtype=np.int64))
+    if all(size == most for _, _, size, _ in runs):
+        coords = np.concatenate(pieces) if pieces else np.empty(0)
+        return coords.reshape(-1, most), offsets
+    coords = np.zeros((offsets[-1], most))
+    for piece, (_, count, size, _), at in zip(pieces, runs, offsets.tolist()):
+        coords[at : at + count, :size] = piece.reshape(-1, size)
+    return coords, offsets
+
+
+def _without_closing(coords, offsets):
+    """Rings without closing vertices; one with another Z or M is a vertex of its own."""
+    points = np.diff(offsets)
+    first, last = offsets[:-1], offsets[1:] - 1
+    long = np.flatnonzero(points > 1)
+    bits = coords.view(np.int64)
+    closed = long[(bits[first[long]] == bits[last[long]]).all(axis=1)]
+    kept = np.ones(len(coords), dtype=bool)
+    kept[last[closed]] = False
+    points[closed] -= 1
+    return coords[kept], offsets_of(points)
+
+
+@lru_cache(maxsize=None)  # asked for every feature, and QGIS takes its time for each of its answers
+def _facts(wkb_type):
+    """The `dimensions` of a type, whether it is of polygons, and whether of several."""
+    single = QgsWkbTypes.flatType(QgsWkbTypes.singleType(wkb_type))
+    return dimensions(wkb_type), single == QgsWkbTypes.Type.Polygon, QgsWkbTypes.isMultiType(wkb_type)
 
 
 def dimensions(wkb_type):
@@ -94,11 +128,40 @@ def dimensions(wkb_type):
 def common_type(wkb_types):
     """Return the linear polygon type that geometries of several types fit in."""
     kind = QgsWkbTypes.Type.Polygon
-    if any(map(QgsWkbTypes.isMultiType, wkb_types)):
+    if any(QgsWkbTypes.isMultiType(one) or _flat(one) in _SURFACES for one in wkb_types):
         kind = QgsWkbTypes.Type.MultiPolygon
     if any(map(QgsWkbTypes.hasZ, wkb_types)):
         kind = QgsWkbTypes.addZ(kind)
     return QgsWkbTypes.addM(kind) if any(map(QgsWkbTypes.hasM, wkb_types)) else kind
+
+
+def is_patched(wkb_type):
+    """Whether a geometry is a triangle, a polyhedral surface or a TIN: polygons by another name."""
+    return _flat(wkb_type) in (_TRIANGLE, *_SURFACES)
+
+
+def patches(geometry):
+    """Return a geometry that `is_patched` as a polygon or a multipolygon: the same but for its name."""
+    kind = geometry.wkbType()
+    data = bytearray(geometry.constGet().asWkb())
+    count, place = 1, 0
+    if _flat(kind) in _SURFACES:
+        (count,), place = _COUNT.unpack_from(data, 5), 9
+        _COUNT.pack_into(data, 1, 6 + dimensions(kind))
+    for _ in range(count):
+        _COUNT.pack_into(data, place + 1, 3 + dimensions(kind))
+        (rings,), place = _COUNT.unpack_from(data, place + 5), place + 9
+        for _ in range(rings):
+            (points,) = _COUNT.unpack_from(data, place)
+            place += 4 + 8 * points * wkb.width(dimensions(kind))
+    return _geometry(bytes(data))
+
+
+_TRIANGLE, _SURFACES = 17, (15, 16)  # of which QGIS 3.22 has no names
+
+
+def _flat(wkb_type):
+    return int(QgsWkbTypes.flatType(wkb_type))
 
 
 def line_type(wkb_type):
@@ -152,12 +215,8 @@ class Runs:
     """
 
     def __init__(self, geometry):
-        data = b""
-        if not (geometry.isNull() or geometry.isEmpty()):
-            abstract = geometry.constGet()
-            if QgsWkbTypes.isCurvedType(abstract.wkbType()):
-                abstract = abstract.segmentize()
-            data = bytes(abstract.asWkb())
+        abstract = _straight(geometry)
+        data = b"" if abstract is None else bytes(abstract.asWkb())
         self._runs = wkb.Runs(data)
         self.counts, self.polygons = self._runs.counts, self._runs.polygons
 

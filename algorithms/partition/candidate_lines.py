@@ -6,6 +6,7 @@ from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
 from ...core.errors import Sentence
 from ...core.partition.features import GivenLines
 from ..layers import wkb
+from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..words import spoken, tr
 
 
@@ -26,7 +27,8 @@ class CandidateLines:
         self.fields, self.attributes = source.fields(), []
         transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
         self.ids, ends, self.bent = [], [], []
-        for feature in source.getFeatures(QgsFeatureRequest()):
+        # QGIS's own check throws through Python's interpreter, which crashes some time later
+        for feature in source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK):
             geometry = feature.geometry()
             if not geometry.isNull() and transform.isValid() and not transform.isShortCircuited():
                 geometry.transform(transform)

@@ -11,7 +11,7 @@ from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import costs, cuts, pieces, without_vertex
 from ...core.partition.solve import finish
 from ...core.progress import stretch
-from ..base import counted
+from ..base import counted, grouped
 from ..layers import wkb
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
@@ -19,7 +19,7 @@ from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..words import spoken, tr
 from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
-from .solving import problems, reasons_of, settings_of
+from .solving import degrees_of, problems, reasons_of, settings_of
 
 
 def cut(tool, parameters, context, feedback, chooser, extra_values=None):
@@ -113,10 +113,10 @@ class Told:
         if not (self.holes or below or any(by_place)):
             return f"{small} {tr('If these are too many, set PLACES to Natural or raise SMALLEST_PART.')}"
         aside = tr(
-            "Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {:,} where the "
+            "Set aside: {} and {} with less on one side than SMALLEST_PART (or MIN_HOLE); {} where the "
             "outline is not concave or the polygon does not open up (PLACES). If you miss cuts, lower TAU or "
             "SMALLEST_PART, or set PLACES to Any; if there are too many, raise TAU."
-        ).format(counted(self.holes, "hole"), counted(below, "diagonal"), sum(by_place))
+        ).format(counted(self.holes, "hole"), counted(below, "diagonal"), grouped(sum(by_place)))
         return f"{small} {aside}"
 
 
@@ -127,7 +127,7 @@ class _Writer:
         self.tool, self.sinks, self.told, self.extra_values = tool, sinks, Told(), extra_values
         fields, crs = source.fields(), source.sourceCrs()
         self.multi = QgsWkbTypes.isMultiType(wkb_type)
-        self.unit = "m" if crs.isGeographic() else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
+        self.unit = "m" if degrees_of(crs) else QgsUnitTypes.toAbbreviatedString(crs.mapUnits())
         line_type = wkb.line_type(wkb_type)
         part_fields = QgsProcessingUtils.combineFields(fields, make_fields(PART_FIELDS + tool.extra_fields))
         sinks.open(tool.OUTPUT, part_fields, wkb_type, crs)

@@ -1,6 +1,7 @@
 """From the geometries of features to solved polygons: what all partition tools share."""
 
 import math
+import re
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from qgis.core import (
     QgsExpressionContextScope,
     QgsFeature,
     QgsProcessingUtils,
+    QgsUnitTypes,
 )
 
 from ...core import metric
@@ -102,12 +104,25 @@ def slow_engine_note():
 
 def measure_of(crs):
     """Return the metric of a layer: its own plane, or its ellipsoid where it is in degrees."""
-    if not crs.isGeographic():
+    degrees = degrees_of(crs)
+    if not degrees:
         return metric.planar()
     ellipsoid = QgsEllipsoidUtils.ellipsoidParameters(crs.ellipsoidAcronym())
     if not ellipsoid.valid:
-        return metric.ellipsoidal()
-    return metric.ellipsoidal(ellipsoid.semiMajor, ellipsoid.semiMinor)
+        return metric.ellipsoidal(degrees=degrees)
+    return metric.ellipsoidal(ellipsoid.semiMajor, ellipsoid.semiMinor, degrees)
+
+
+def degrees_of(crs):
+    """Return the degrees in one unit of a CRS; 0 where its coordinates are no angles.
+
+    QGIS 3.22 calls no CRS geographic that is not in its database, such as one of Mars, and the unit of one
+    in grads unknown.
+    """
+    if crs.mapUnits() == QgsUnitTypes.DistanceUnit.DistanceDegrees:
+        return 1.0
+    found = re.match(r'GEOGCS.*\bUNIT\["[^"]*",([^,\]]+)', crs.toWkt(), re.DOTALL)
+    return round(math.degrees(float(found[1])), 9) if found else float(crs.isGeographic())  # of grads 0.9
 
 
 def read(features, settings, feedback):
@@ -124,7 +139,7 @@ def read(features, settings, feedback):
     if not settings.measure.conformal or not len(rings.coords):
         yield whole
         return
-    strange = beyond_the_poles(rings, owner, len(features))
+    strange = beyond_the_poles(rings, owner, len(features), settings.measure)
     if not strange.any():
         yield whole
         return

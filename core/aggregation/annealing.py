@@ -64,7 +64,7 @@ class Schedule(NamedTuple):
 
 
 class _Effort(NamedTuple):
-    """Steps of a run, or seconds."""
+    """Steps of a run, and seconds: what is over first ends it."""
 
     steps: float
     seconds: float | None
@@ -91,9 +91,9 @@ def annealing(
     seed : int
         The same seed and the same number of iterations give the same result.
     iterations : int, optional
-        Number of moves that are priced. Default: 10,000 an area.
+        Number of moves that are priced. Default: 10,000 an area, or what the time is enough for.
     seconds : float, optional
-        Use this much time instead of a number of iterations.
+        Use this much time; with a number of iterations, too, what is over first ends it.
     count : int, optional
         Number of regions wanted; default: free.
     check : callable, optional
@@ -142,7 +142,9 @@ def annealing(
     n, done, report = len(problem.size), 0.0, check or (lambda share: None)
     best = None
     bonus = 0.0  # price of a region that keeps their number; a run goes on with that of the last one
-    whole = _Effort(10_000 * n if iterations is None else iterations, seconds)
+    if iterations is None:
+        iterations = 10_000 * n if seconds is None else np.inf
+    whole = _Effort(iterations, seconds)
 
     def run(begin, number, share, hot):
         """One run with a share of the effort, by its number; return what it found and its steps."""
@@ -204,10 +206,9 @@ def _cool(regions, rng, effort, schedule, count, bonus, check):
     # took half of the time, and found worse regions in it
     rest = int(np.clip(REST * len(regions.movable) / max(regions.count, 1), 8 * REST, 128 * REST))
     while True:
-        if effort.seconds is None:
-            share = priced / max(effort.steps, 1)
-        else:
-            share = (perf_counter() - began) / max(effort.seconds, 1e-9)
+        share = priced / max(effort.steps, 1)
+        if effort.seconds is not None:
+            share = max(share, (perf_counter() - began) / max(effort.seconds, 1e-9))
         if share >= 1.0:
             return priced, bonus
         regions.batch += 1

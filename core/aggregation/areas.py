@@ -11,14 +11,24 @@ import shapely
 from ..errors import IsthmusError, Sentence
 from ..metric import FARTHEST, Metric
 from ..rings import Rings, groups, offsets_of, take
-from .coverage import Coverage, centroids, cover, shapes, shared, spreads, with_shared_vertices
+from .coverage import (
+    Coverage,
+    centroids,
+    cover,
+    overlapping,
+    shapes,
+    shared,
+    spreads,
+    with_shared_vertices,
+)
 from .instance import Instance, build
 
 __all__ = [
     "Areas",
     "arrange",
     "arrange_pieces",
-    "invalid",
+    "beside",
+    "flaws",
     "joined_rings",
     "neighbours",
     "piece_fields",
@@ -167,11 +177,12 @@ def arrange(
     y[some] = np.clip(y[some], low[some, 1], high[some, 1])
     around = xy - np.column_stack((x, y))[row_area]
     if measure.conformal and n:
-        around = EARTH_RADIUS * np.radians(around)
-        around[:, 0] *= np.cos(np.radians(xy[:, 1]))
+        unit = measure.degrees
+        around = EARTH_RADIUS * np.radians(around * unit)
+        around[:, 0] *= np.cos(np.radians(xy[:, 1] * unit))
         middle = np.median(x)
-        x = EARTH_RADIUS * np.cos(np.radians(y)) * np.radians(x - middle)
-        y = EARTH_RADIUS * np.radians(y)
+        x = EARTH_RADIUS * np.cos(np.radians(y * unit)) * np.radians((x - middle) * unit)
+        y = EARTH_RADIUS * np.radians(y * unit)
     spread = np.zeros(n)
     spread[: owner.max(initial=-1) + 1] = spreads(coverage, around, owner)
     return Areas(
@@ -212,22 +223,72 @@ def neighbours(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack((key // n, key % n)), total
 
 
-def invalid(areas: Areas) -> np.ndarray:
-    """Return the numbers of the areas that are not valid.
+def flaws(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
+    """Return the areas that are not valid, and pairs of areas that overlap.
+
+    Returns
+    -------
+    invalid : (m,) int
+    overlaps : (o, 2) int
+        Some of each place where areas overlap; see `coverage.overlapping`.
 
     Examples
     --------
-    The second area crosses itself.
+    The second area crosses itself, and the last two overlap.
 
     >>> from isthmus.core.metric import planar
-    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
-    >>> bow_tie = [[3, 0], [4, 1], [4, 0], [3, 1]]
-    >>> rings = Rings(np.array(square + bow_tie, dtype=float), np.array([0, 4, 8]), np.arange(3))
-    >>> invalid(arrange(range(2), rings, np.arange(2), planar())).tolist()
-    [1]
+    >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    >>> bow_tie = np.array([[3, 0], [4, 1], [4, 0], [3, 1.0]])
+    >>> coords = np.concatenate((square, bow_tie, square + 5, square + 5.5))
+    >>> rings = Rings(coords, np.array([0, 4, 8, 12, 16]), np.arange(5))
+    >>> invalid, overlaps = flaws(arrange(range(4), rings, np.arange(4), planar()))
+    >>> invalid.tolist(), overlaps.tolist()
+    ([1], [[2, 3]])
     """
-    valid = shapely.is_valid(shapes(areas.coverage, len(areas.owner)))
-    return np.unique(areas.owner[~valid])
+    polygons = shapes(areas.coverage, len(areas.owner))
+    valid = shapely.is_valid(polygons)
+    overlaps = areas.owner[overlapping(areas.coverage, polygons, valid)].reshape(-1, 2)
+    overlaps = np.unique(np.sort(overlaps, axis=1), axis=0)
+    return np.unique(areas.owner[~valid]), overlaps[overlaps[:, 0] != overlaps[:, 1]]
+
+
+def beside(areas: Areas, label: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Return pairs of areas that lie side by side, though they have different labels.
+
+    Parameters
+    ----------
+    areas : Areas
+    label : (n,) int
+        Equal for areas that hang together by shared boundaries; negative: not looked at.
+    wanted : (n,) bool
+        The areas whose neighbours are looked for.
+
+    Returns
+    -------
+    (m, 2) int
+        A wanted area, and another one that is no farther away than a thousandth of its own width.
+
+    Examples
+    --------
+    Between the first two areas is a gap that is too narrow to be seen.
+
+    >>> from isthmus.core.metric import planar
+    >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    >>> coords = np.concatenate((square, square + [1.000001, 0], square + [3, 0]))
+    >>> rings = Rings(coords, np.array([0, 4, 8, 12]), np.arange(4))
+    >>> areas = arrange(range(3), rings, np.arange(3), planar())
+    >>> beside(areas, np.arange(3), np.ones(3, dtype=bool)).tolist()
+    [[0, 1], [1, 0]]
+    """
+    if not wanted[areas.owner].any():
+        return np.zeros((0, 2), dtype=np.int64)
+    polygons = shapes(areas.coverage, len(areas.owner))
+    asking = np.flatnonzero(wanted[areas.owner])
+    reach = 1e-3 * np.sqrt(shapely.area(polygons[asking]))
+    one, other = shapely.STRtree(polygons).query(polygons[asking], predicate="dwithin", distance=reach)
+    pairs = areas.owner[np.column_stack((asking[one], other))]
+    apart = (label[pairs[:, 0]] != label[pairs[:, 1]]) & (label[pairs] >= 0).all(axis=1)
+    return np.unique(pairs[apart], axis=0)
 
 
 def reasons_of(areas: Areas, classes: Sequence[str | None], without: Sequence[str]) -> dict[int, str]:

@@ -24,6 +24,7 @@ __all__ = [
     "cover",
     "faults",
     "joined",
+    "overlapping",
     "shapes",
     "shared",
     "spreads",
@@ -195,21 +196,26 @@ def cover(
         new_head[last - 1] = head
         tail, head, row, edge, polygon = new_tail, new_head, new_row, edge[whole], polygon[whole]
         twin = _twins(tail, head, len(points))
-    repeated = _repeated(tail, head, polygon, len(points))
+    repeated = _repeated(tail, head, polygon, twin, len(points))
     return Coverage(coords, offsets, ring_polygon, row, tail, head, points, polygon, edge, twin, repeated)
 
 
 def _twins(tail, head, count):
-    """For each piece one that runs the other way, each used once; -1 where there is none."""
-    key, back = tail * count + head, head * count + tail
+    """For each piece one that runs the other way, each used once; -1 where there is none.
+
+    Of several equal pieces the first one has a twin.
+    """
+    low, high = np.minimum(tail, head), np.maximum(tail, head)
+    key = 2 * (low * count + high) + (tail > head)  # those of both directions follow one another
     order = np.argsort(key, kind="stable")
     ordered = key[order]
-    at = np.searchsorted(ordered, back)
-    found = np.minimum(at, len(key) - 1)
-    twin = np.where(ordered[found] == back, order[found], -1)
-    # of several equal pieces, only mutual pairs count
-    mutual = (twin >= 0) & (twin[twin] == np.arange(len(key)))
-    return np.where(mutual, twin, -1)
+    first = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1]))
+    keys = ordered[first]
+    pair = np.flatnonzero((keys[1:] == keys[:-1] + 1) & (keys[:-1] % 2 == 0))
+    one, other = order[first[pair]], order[first[pair + 1]]
+    twin = np.full(len(key), -1)
+    twin[one], twin[other] = other, one
+    return twin
 
 
 def _close(points, tail, head, polygon, is_open, tolerance):
@@ -264,13 +270,17 @@ def _junctions(points, tail, head, polygon, open_edges, tolerance):
     return at[order], point[order]
 
 
-def _repeated(tail, head, polygon, count):
+def _repeated(tail, head, polygon, twin, count):
     """Pairs of polygons with the same directed piece."""
     key = tail * count + head
+    alone = np.sort(key[twin < 0])  # of equal pieces all but the first have no twin
+    if not len(alone):
+        return np.zeros((0, 2), dtype=np.int64)
+    some = np.flatnonzero(alone[np.minimum(np.searchsorted(alone, key), len(alone) - 1)] == key)
+    key, polygon = key[some], polygon[some]
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order][1:] == key[order][:-1])
-    pairs = np.column_stack((polygon[order[same]], polygon[order[same + 1]]))
-    return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+    return _each_pair(np.column_stack((polygon[order[same]], polygon[order[same + 1]])))
 
 
 def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]:
@@ -519,27 +529,77 @@ def faults(coverage: Coverage) -> Faults:
     valid = shapely.is_valid(polygons) & ~shapely.is_empty(polygons)
     number = np.flatnonzero(valid)
     tree = shapely.STRtree(polygons[valid])
-    pairs = [coverage.repeated]
-
     inner, other = tree.query(shapely.point_on_surface(polygons[valid]), predicate="within")
-    pairs.append(np.column_stack((number[inner], number[other])))
-
-    lone = np.flatnonzero(coverage.twin < 0)
+    pairs = np.concatenate(
+        (overlapping(coverage, polygons, valid), np.column_stack((number[inner], number[other])))
+    )
     gaps = np.zeros((0, 2))
-    if len(lone):
-        a, b = coverage.xy[coverage.tail[lone]], coverage.xy[coverage.head[lone]]
-        which, other = tree.query(shapely.points((a + b) / 2.0), predicate="within")
-        pairs.append(np.column_stack((coverage.polygon[lone[which]], number[other])))
-        lines = shapely.linestrings(np.stack((a, b), axis=1))
-        which, other = shapely.STRtree(lines).query(lines, predicate="crosses")
-        pairs.append(np.column_stack((coverage.polygon[lone[which]], coverage.polygon[lone[other]])))
+    lines = _open_edges(coverage)[1]
+    if len(lines):
         faces = shapely.get_parts(shapely.polygonize(lines))
         inside = shapely.point_on_surface(faces)
         filled = np.unique(tree.query(inside, predicate="intersects")[0])
         empty = np.setdiff1d(np.arange(len(faces)), filled)
         gaps = shapely.get_coordinates(inside[empty])
-    pairs = np.sort(np.concatenate(pairs), axis=1)
-    return Faults(np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0), gaps)
+    return Faults(_each_pair(pairs), gaps)
+
+
+def overlapping(coverage: Coverage, polygons: np.ndarray, valid: np.ndarray) -> np.ndarray:
+    """Return pairs of polygons that overlap, some of each place where any do: (o, 2) int.
+
+    Parameters
+    ----------
+    coverage : Coverage
+    polygons : (q,) array of shapely polygons
+        See `shapes`.
+    valid : (q,) bool
+        Those that may be asked what lies in them.
+
+    Notes
+    -----
+    O(q log e) for the e edges without a twin. Where polygons overlap more than one of them is on the left of
+    the boundary of that place, and one at most beyond it: that boundary is of edges without a twin. They are
+    few where polygons fill a map; so this is quick, but lists fewer pairs than `faults`.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> coverage = cover(np.concatenate((2 * square, 2 * square + 1)), [0, 4, 8], [0, 1])
+    >>> overlapping(coverage, shapes(coverage), np.ones(2, dtype=bool)).tolist()
+    [[0, 1]]
+    """
+    edge, lines = _open_edges(coverage)
+    if not len(edge):
+        return _each_pair(coverage.repeated)
+    owner, number = coverage.polygon[edge], np.flatnonzero(valid)
+    # a polygon is asked for the points in it, and not the other way: GEOS prepares what asks, and one of a
+    # million edges has a million points in its bounds
+    ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+    middle = shapely.STRtree(shapely.points((ends[:, 0] + ends[:, 1]) / 2.0))
+    around, which = middle.query(polygons[number], predicate="contains")
+    one, other = shapely.STRtree(lines).query(lines, predicate="crosses")
+    return _each_pair(
+        np.concatenate(
+            (
+                coverage.repeated,
+                np.column_stack((owner[which], number[around])),
+                np.column_stack((owner[one], owner[other])),
+            )
+        )
+    )
+
+
+def _open_edges(coverage):
+    """The pieces without a twin, and as lines."""
+    lone = np.flatnonzero(coverage.twin < 0)
+    ends = np.stack((coverage.xy[coverage.tail[lone]], coverage.xy[coverage.head[lone]]), axis=1)
+    return lone, shapely.linestrings(ends)
+
+
+def _each_pair(pairs):
+    """Pairs of two, each once, the smaller number first."""
+    pairs = np.sort(pairs, axis=1)
+    return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
 
 
 def shapes(coverage: Coverage, count: int | None = None) -> np.ndarray:
@@ -704,27 +764,32 @@ def _corners(coverage, pieces, count):
 
 
 def _nest(coverage, rings):
-    """Rings, by their area and rows, as shells with their holes."""
-    shells, holes = [], []
-    for area, rows in rings:
-        (shells if area > 0.0 else holes).append((abs(area), rows))
+    """Rings, by their area and rows, as shells with their holes; none where they cross."""
+    rings = sorted(rings, key=lambda ring: -abs(ring[0]))
+    shells = [ring for ring in rings if ring[0] > 0.0]
+    holes = [ring for ring in rings if not ring[0] > 0.0]
     if not shells:
         return []
-    shells.sort(key=lambda ring: -ring[0])
     polygons = [[rows] for _, rows in shells]
-    holes.sort(key=lambda ring: -ring[0])
-    if len(polygons) == 1:
-        polygons[0] += [rows for _, rows in holes]
-    elif holes:
-        shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells]
-        for area, rows in holes:
-            # an island in the hole may contain its inner point, but is not larger than the hole
-            hole = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
-            around = [k for k, shape in enumerate(shapes) if shells[k][0] > area and shape.contains(hole)]
-            polygons[around[-1] if around else 0].append(rows)
+    for (_, rows), k in zip(holes, _shells_around(coverage, shells, holes)):
+        polygons[k].append(rows)
     # where the input overlaps, rings may cross
     made = [
-        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in holes])
-        for shell, *holes in polygons
+        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in own])
+        for shell, *own in polygons
     ]
     return polygons if shapely.is_valid(shapely.MultiPolygon(made)) else []
+
+
+def _shells_around(coverage, shells, holes):
+    """The smallest shell around each hole, by its number; shells stand by falling area."""
+    if len(shells) == 1:
+        return [0] * len(holes)
+    shapes = [shapely.Polygon(coverage.coords[rows, :2]) for _, rows in shells] if holes else []
+    found = []
+    for area, rows in holes:
+        # an island in the hole may contain its inner point, but is not larger than the hole
+        inside = shapely.Polygon(coverage.coords[rows, :2]).representative_point()
+        larger = reversed([k for k, (size, _) in enumerate(shells) if size > -area])
+        found.append(next((k for k in larger if shapes[k].contains(inside)), 0))
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import Callable
 
 from ..progress import ignore
@@ -13,6 +14,7 @@ from .instance import Instance, Solution
 __all__ = ["METHODS", "by_method"]
 
 METHODS = ("greedy", "annealing", "exact")
+FIRST = 0.25  # share of the time of 'exact' that goes to the annealing it starts from, at most
 
 
 def by_method(
@@ -34,7 +36,8 @@ def by_method(
     method : str
         'greedy', 'annealing', or 'exact', which starts from a short annealing.
     seed, iterations, seconds
-        See `annealing.annealing`; 0 iterations are 10,000 an area, 0 seconds no limit (60 for 'exact').
+        See `annealing.annealing`; 0 iterations are 10,000 an area, 0 seconds no limit. A limit of time
+        stands instead of a number of iterations. For 'exact' it is that of all, 60 if 0.
     count : int, optional
         Number of regions wanted; not used by 'exact'.
     decompose : bool
@@ -71,12 +74,13 @@ def by_method(
         found = annealing(
             problem,
             seed=seed,
-            iterations=iterations or None,
+            iterations=None if seconds else iterations or None,
             seconds=seconds or None,
             count=count,
             check=check,
         )
         return found, None
-    begin = annealing(problem, seed, 3000 * len(problem.size), check=check)
-    result = exact(problem, seconds or 60.0, decompose, begin, check)
+    limit, began = seconds or 60.0, perf_counter()
+    begin = annealing(problem, seed, 3000 * len(problem.size), FIRST * limit, check=check)
+    result = exact(problem, max(0.0, limit - (perf_counter() - began)), decompose, begin, check)
     return result.found, result

@@ -149,35 +149,17 @@ def enlarge(
     >>> np.ptp(found.rows[:5], axis=0).round(6).tolist()
     [10.0, 10.0]
     """
-    done = [0.0]
-
-    def stage(lo, hi):
-        def check(share=None):
-            if cancelled is not None and cancelled():
-                raise Cancelled("cancelled")
-            if progress is not None and share is not None:
-                done[0] = max(done[0], lo + (hi - lo) * share)  # a stage may come again
-                progress(done[0])
-
-        return check
-
+    stage = _stages(progress, cancelled)
     check = stage(0.0, 0.05)
     check(0.0)
-    rows = np.asarray(rows, dtype=float)
-    starts = np.asarray(starts, dtype=np.int64)
+    rows, starts = np.asarray(rows, dtype=float), np.asarray(starts, dtype=np.int64)
     if not len(rows):
         raise Unsolvable(Sentence("the input has no coordinates"))
     if not (scale > 0.0 and np.isfinite(scale)):
         raise Unsolvable(Sentence("the scale must be a number above 0, and is {:g}", scale))
     regions = _regions(focus)
     graph = build_graph(rows, starts)
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    stretch = np.array([aspect, 1.0])
-    centre, unit = (low + high) / 2.0, float(((high - low) * stretch).max()) or 1.0
-    if not np.isfinite(unit):
-        raise Unsolvable(Sentence("the coordinates are too large: they reach from {} to {}", low, high))
-    _refuse_outlier(rows, starts, unit)
-    unit = unit / stretch
+    centre, unit = _units(rows, starts, aspect)
 
     def local(xy):
         return (xy - centre) / unit
@@ -186,62 +168,31 @@ def enlarge(
     graph, group = _distinct(graph, group, rows, local(graph.xy))
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
-    box = local(low), local(high)
+    box = local(rows.min(axis=0)), local(rows.max(axis=0))
     xy = local(graph.xy)
     for corner in box:  # what is at a side but for rounding is on it
         xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+    check(0.2)
     noded = node(xy, graph.edges, check)
+    check(0.4)
     regions = [shapely.transform(region, local) for region in regions]
     land = _land(local(rows), starts, polygons)
+    check(0.6)
     mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
-    xy, group = mesh.xy, mesh.group
-    points = np.concatenate((graph.xy, centre + unit * xy[len(graph.xy) :]))
+    points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
     skipped = []
     if scale == 1.0:
-        shift, chosen, bridges, size = np.zeros_like(xy), given, given[:0], np.ones(2)
+        shift, chosen, bridges, size = np.zeros_like(mesh.xy), given, given[:0], np.ones(2)
     else:
-        spare = others(xy, mesh.triangles, noded.edges)
-        movable = group < 0
-        movable[np.concatenate(mesh.side)] = False
-        needed = np.zeros(len(xy), dtype=bool)
-        needed[given.ravel()] = True
-        for _ in range(ATTEMPTS):
-            check = stage(0.05, 0.2)
-            coarse = coarsen(
-                xy, mesh.triangles, noded.edges, mesh.removable & ~needed, mesh.rigid, most, check
-            )
-            skipped, chosen = [], given
-            if edges is None:
-                check = stage(0.2, 0.3)
-                chosen = _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check)
-            chosen = unique_pairs(chosen, len(xy))
-            solid = np.concatenate((coarse.edges, chosen))
-            check = stage(0.3, 0.85)
-            shift, bridges, size = _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check)
-            check = stage(0.85, 0.95)
-            for g in np.unique(group[group >= 0]):  # exact, to the last digit
-                mine = np.flatnonzero(group == g)
-                anchor = mine[np.argmax(~mesh.rigid[mine])]
-                shift[mine] = shift[anchor] + (scale - 1.0) * (xy[mine] - xy[anchor])
-            if not frame:  # the first region stays where it is
-                mine = np.flatnonzero(group == 0)
-                own = mine[mesh.map_vertex[mine]] if mesh.map_vertex[mine].any() else mine
-                middle = xy[own].mean(axis=0)
-                shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
-            shift = reinsert(coarse, xy, shift, mesh.rigid, check)
-            shift = stay_convex(xy, shift, mesh.triangles, spare, movable, check)
-            bad = turned(points, points + unit * shift, mesh.triangles)  # where they will be, rounded
-            if not bad.any():
-                break
-            needed[mesh.triangles[bad]] = True
-        else:
-            x, y = points[mesh.triangles[bad].min()]
-            near = Sentence(
-                "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
-                x,
-                y,
-            )
-            raise Unsolvable(near)
+
+        def choose(coarse, check):
+            skipped.clear()  # an attempt may come again
+            return _selected(coarse, graph, mesh.xy, starts, polygons, rule, tau, skipped, check)
+
+        shift, chosen, bridges, size = _moved(
+            mesh, noded, land, points, unit, given, choose if edges is None else None,
+            scale, tau, frame, growth, most, stage,
+        )  # fmt: skip
     check = stage(0.95, 1.0)
     if not np.isfinite(unit * shift).all():
         raise Unsolvable(Sentence("the map could not be solved: some positions are not finite numbers"))
@@ -258,9 +209,88 @@ def enlarge(
         kind=np.array(["selected" if edges is None else "given"] * len(chosen) + ["join"] * len(bridges)),
         scale=float(scale),
         growth=size,
-        distortion=distortion(xy, xy + shift, mesh.triangles[inside]),
+        distortion=distortion(mesh.xy, mesh.xy + shift, mesh.triangles[inside]),
         skipped=skipped,
     )
+
+
+def _stages(progress, cancelled):
+    """What makes the check of a stage, which tells of progress from one share to another, and may cancel."""
+    done = [0.0]
+
+    def stage(lo, hi):
+        def check(share=None):
+            if cancelled is not None and cancelled():
+                raise Cancelled("cancelled")
+            if progress is not None and share is not None:
+                done[0] = max(done[0], lo + (hi - lo) * share)  # a stage may come again
+                progress(done[0])
+
+        return check
+
+    return stage
+
+
+def _units(rows, starts, aspect):
+    """The middle of the map, and its width along each axis: in these it is solved."""
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    stretch = np.array([aspect, 1.0])
+    unit = float(((high - low) * stretch).max()) or 1.0
+    if not np.isfinite(unit):
+        raise Unsolvable(Sentence("the coordinates are too large: they reach from {} to {}", low, high))
+    _refuse_outlier(rows, starts, unit)
+    return (low + high) / 2.0, unit / stretch
+
+
+def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, growth, most, stage):
+    """The shift of all vertices, the edges that are relevant, those that join islands, and the growth.
+
+    The detail is carried along; where that turns a triangle, more of it is solved for.
+    """
+    xy = mesh.xy
+    spare = others(xy, mesh.triangles, noded.edges)
+    free = mesh.group < 0
+    free[np.concatenate(mesh.side)] = False
+    needed = np.zeros(len(xy), dtype=bool)
+    needed[given.ravel()] = True
+    for _ in range(ATTEMPTS):
+        removable = mesh.removable & ~needed
+        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2))
+        chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
+        chosen = unique_pairs(chosen, len(xy))
+        solid = np.concatenate((coarse.edges, chosen))
+        shift, bridges, size = _solved(
+            mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
+        )
+        check = stage(0.85, 0.95)
+        _scale_exactly(mesh, shift, scale, frame)
+        shift = reinsert(coarse, xy, shift, mesh.rigid, check)
+        shift = stay_convex(xy, shift, mesh.triangles, spare, free, check)
+        bad = turned(points, points + unit * shift, mesh.triangles)  # where they will be, rounded
+        if not bad.any():
+            return shift, chosen, bridges, size
+        needed[mesh.triangles[bad]] = True
+    x, y = points[mesh.triangles[bad].min()]
+    near = Sentence(
+        "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
+        x,
+        y,
+    )
+    raise Unsolvable(near)
+
+
+def _scale_exactly(mesh, shift, scale, frame):
+    """Put the focus, in place, where it is scaled to the last digit."""
+    xy, group = mesh.xy, mesh.group
+    for g in np.unique(group[group >= 0]):
+        mine = np.flatnonzero(group == g)
+        anchor = mine[np.argmax(~mesh.rigid[mine])]
+        shift[mine] = shift[anchor] + (scale - 1.0) * (xy[mine] - xy[anchor])
+    if not frame:  # the first region stays where it is
+        mine = np.flatnonzero(group == 0)
+        own = mine[mesh.map_vertex[mine]] if mesh.map_vertex[mine].any() else mine
+        middle = xy[own].mean(axis=0)
+        shift -= shift[mine[0]] - (scale - 1.0) * (xy[mine[0]] - middle)
 
 
 class _Mesh(NamedTuple):
@@ -283,57 +313,15 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     for g, region in enumerate(regions):
         new = np.flatnonzero(group < 0)
         group[new[_inside(region, noded.xy[new])]] = g
-    low, high = (corner.copy() for corner in box)
-    size, padded = high - low, np.zeros(2)
-    for axis in (0, 1):
-        flat = size[axis] < 1e-3 * size.max() or size.max() == 0.0
-        x = noded.xy[:, axis]
-        spans = set(group[x <= low[axis]].tolist()) & set(group[x >= high[axis]].tolist()) - {-1}
-        pad = 0.5 if flat else PAD if spans and frame and scale < 1.0 else 0.0
-        low[axis] -= pad
-        high[axis] += pad
-        padded[axis] = 0.0 if flat else pad
-    cell = (high - low).max() / GRID
-    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-    along = [
-        np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1) for axis in (0, 1)
-    ]
-    grid = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2)
-    grid = grid[~((grid == low) | (grid == high)).all(axis=1)]
-    on_side = ((grid == low) | (grid == high)).any(axis=1)
-    grid = grid[on_side | ~_on_land(land, grid)]
-    extra, own, gap = [grid], [np.full(len(grid), -1)], [np.full(len(grid), 0.3 * cell)]
-    for g, region in enumerate(regions):
-        own[0][_inside(region, grid) & ~((grid == low) | (grid == high)).any(axis=1)] = g
-        seen = shapely.get_parts(shapely.intersection(region, shapely.box(*low, *high)))
-        # where the map's own vertices tell the region well, its polygons get no others
-        hull = shapely.area(shapely.convex_hull(shapely.multipoints(noded.xy[group == g])))
-        told = hull > shapely.area(seen).sum() / 4.0
-        for part in seen[shapely.area(seen) > 0.0]:
-            step = shapely.length(part) / SIDES
-            ring = np.unique(shapely.get_coordinates(shapely.segmentize(part, step)), axis=0)
-            # not on one line, or the triangles between them would be flat
-            ring += np.random.default_rng(1).uniform(-0.05, 0.05, ring.shape) * step
-            ring = ring[((ring > low + 1e-9) & (ring < high - 1e-9)).all(axis=1)]
-            if told:
-                ring = ring[~_on_land(land, ring)]
-            extra.append(ring)
-            own.append(np.full(len(ring), g))
-            gap.append(np.full(len(ring), 0.2 * min(step, cell) if (group == g).any() else 1e-6))
-    extra, own = np.concatenate(extra), np.concatenate(own)
-    kept = np.flatnonzero(_roomy(extra, noded, np.concatenate(gap)))
-    kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
-    for g in range(len(regions)):
-        if not (group == g).any() and not (own[kept] == g).any():
-            raise Unsolvable(
-                Sentence("the focus lies between lines that leave no room in it. Choose a larger region")
-            )
+    low, high, padded = _padded(noded.xy, group, box, frame and scale < 1.0)
     known = {
         tuple(point) for point in noded.xy[((noded.xy == low) | (noded.xy == high)).all(axis=1)].tolist()
     }
+    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     corners = np.array([p for p in corners.tolist() if tuple(p) not in known]).reshape(-1, 2)
-    xy = np.concatenate((noded.xy, corners, extra[kept]))
-    group = np.concatenate((group, np.full(len(corners), -1), own[kept]))
+    extra, own = _free_vertices(noded, group, regions, land, low, high)
+    xy = np.concatenate((noded.xy, corners, extra))
+    group = np.concatenate((group, np.full(len(corners), -1), own))
     side, rim = [], []
     for axis in (0, 1):
         for value in (low[axis], high[axis]):
@@ -342,17 +330,83 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
             on = on[np.argsort(xy[on, 1 - axis])]
             rim.append(np.column_stack((on[:-1], on[1:])))
     check()
-    segments = unique_pairs(np.concatenate([noded.edges] + rim), len(xy))
-    triangles = frame_triangles(xy, segments)
+    triangles = frame_triangles(xy, unique_pairs(np.concatenate([noded.edges] + rim), len(xy)))
     own = group[triangles]
     mixed = (own.min(axis=1) != own.max(axis=1)) | (own[:, 0] < 0)
     rigid = group >= 0
     rigid[triangles[mixed]] = False
-    removable = np.arange(len(xy)) < n
-    removable[np.concatenate(side)] = False
-    removable &= rigid | (group < 0)
     of_map = np.arange(len(xy)) < n
+    removable = of_map & (rigid | (group < 0))
+    removable[np.concatenate(side)] = False
     return _Mesh(xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable)
+
+
+def _padded(xy, group, box, shrinks):
+    """The lower left and upper right corner of the frame, and how much of it is given back at the end."""
+    low, high = (corner.copy() for corner in box)
+    size, padded = high - low, np.zeros(2)
+    for axis in (0, 1):
+        flat = size[axis] < 1e-3 * size.max() or size.max() == 0.0
+        x = xy[:, axis]
+        spans = set(group[x <= low[axis]].tolist()) & set(group[x >= high[axis]].tolist()) - {-1}
+        pad = 0.5 if flat else PAD if spans and shrinks else 0.0
+        low[axis] -= pad
+        high[axis] += pad
+        padded[axis] = 0.0 if flat else pad
+    return low, high, padded
+
+
+def _free_vertices(noded, group, regions, land, low, high):
+    """Vertices where the map has none: on a grid, and on the outlines of regions; and their regions."""
+    cell = (high - low).max() / GRID
+    grid, own = _grid(regions, land, low, high, cell)
+    extra, own, gap = [grid], [own], [np.full(len(grid), 0.3 * cell)]
+    for g, region in enumerate(regions):
+        mine = group == g
+        for ring, step in _outlines(region, noded.xy[mine], land, low, high):
+            extra.append(ring)
+            own.append(np.full(len(ring), g))
+            gap.append(np.full(len(ring), 0.2 * min(step, cell) if mine.any() else 1e-6))
+    extra, own = np.concatenate(extra), np.concatenate(own)
+    kept = np.flatnonzero(_roomy(extra, noded, np.concatenate(gap)))
+    kept = kept[_apart(extra[kept], 0.1 * cell, own[kept])]
+    for g in range(len(regions)):
+        if not (group == g).any() and not (own[kept] == g).any():
+            raise Unsolvable(
+                Sentence("the focus lies between lines that leave no room in it. Choose a larger region")
+            )
+    return extra[kept], own[kept]
+
+
+def _grid(regions, land, low, high, cell):
+    """Points of a grid, on the sides of the frame and where there is no polygon, and their regions."""
+    along = [
+        np.linspace(low[axis], high[axis], max(round((high - low)[axis] / cell), 1) + 1) for axis in (0, 1)
+    ]
+    grid = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = grid[~((grid == low) | (grid == high)).all(axis=1)]
+    on_side = ((grid == low) | (grid == high)).any(axis=1)
+    kept = on_side | ~_on_land(land, grid)
+    grid, on_side = grid[kept], on_side[kept]
+    own = np.full(len(grid), -1)
+    for g, region in enumerate(regions):
+        own[_inside(region, grid) & ~on_side] = g
+    return grid, own
+
+
+def _outlines(region, vertices, land, low, high):
+    """Points on the outlines of a region in the frame, and how far apart they are, for each of its parts."""
+    seen = shapely.get_parts(shapely.intersection(region, shapely.box(*low, *high)))
+    # where the map's own vertices tell the region well, its polygons get no others
+    hull = shapely.area(shapely.convex_hull(shapely.multipoints(vertices)))
+    told = hull > shapely.area(seen).sum() / 4.0
+    for part in seen[shapely.area(seen) > 0.0]:
+        step = shapely.length(part) / SIDES
+        ring = np.unique(shapely.get_coordinates(shapely.segmentize(part, step)), axis=0)
+        # not on one line, or the triangles between them would be flat
+        ring += np.random.default_rng(1).uniform(-0.05, 0.05, ring.shape) * step
+        ring = ring[((ring > low + 1e-9) & (ring < high - 1e-9)).all(axis=1)]
+        yield ring[~_on_land(land, ring)] if told else ring, step
 
 
 def _on_land(land, points):

@@ -71,7 +71,7 @@ def coarsen(
     most : int
         Stop when no more than so many of the others among ``removable`` are left.
     check : callable
-        Called now and then; may raise `Cancelled`.
+        Called with the share done; may raise `Cancelled`.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def coarsen(
     >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
     >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
     >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
-    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda share: None)
     >>> coarse.into.tolist()
     [0, 1, 2, 3, 4, 4]
     >>> len(triangles), len(coarse.triangles)
@@ -103,11 +103,9 @@ def coarsen(
         rigid = np.zeros_like(rigid)  # a small map is solved for as it is
     tolerance = TINY
     while True:
-        check()
+        check(1.0 - np.count_nonzero(alive) / n)
         left = np.count_nonzero(alive & removable & ~rigid)
-        u, v, cost = _ways(xy, triangles, edges, removable & alive, rigid, rng)
-        good = cost <= tolerance
-        u, v = u[good], v[good]
+        u, v = _ways(xy, triangles, edges, removable & alive, rigid, tolerance, rng)
         goes = np.full(n, -1)
         goes[u[::-1]] = v[::-1]
         chosen = _independent(xy, triangles, goes, rng)
@@ -145,39 +143,47 @@ def coarsen(
         into = further
 
 
-def _ways(xy, triangles, edges, free, rigid, rng):
-    """Vertices, what they could go into, and how much of the map that changes, in random order."""
+def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
+    """Vertices, and what they could go into without changing the map by more, in random order."""
     n = len(xy)
     both = np.concatenate((edges, edges[:, ::-1]))
     both = both[free[both[:, 0]]]
     both = both[np.argsort(both[:, 0], kind="stable")]
     degree = np.bincount(both[:, 0], minlength=n)
     both = both[degree[both[:, 0]] <= DEGREE]
-    begin = np.searchsorted(both[:, 0], both[:, 0])
-    count = degree[both[:, 0]]
-    # beside each way u-v, the edges u-x
-    one = np.repeat(np.arange(len(both)), count)
-    other = np.repeat(begin, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    u, v, x = both[one, 0], both[one, 1], both[other, 1]
-    along, gap = xy[x] - xy[v], xy[u] - xy[v]
-    square = (along * along).sum(axis=1)
-    t = np.clip((gap * along).sum(axis=1) / np.maximum(square, 1e-300), 0.0, 1.0)
-    off = np.hypot(*(gap - t[:, None] * along).T)
-    off[v == x] = 0.0
+    u, v = both.T
+    count = degree[u]
+    begin = np.flatnonzero(np.append(True, u[1:] != u[:-1])[: len(u)])
+    begin = np.repeat(begin, count[begin])
+    # beside each way u-v, the other edges u-x
+    several = np.flatnonzero(count > 1)
+    others = count[several] - 1
+    first = np.cumsum(others) - others
+    one = np.repeat(several, others)
+    other = np.arange(len(one)) - np.repeat(first - begin[several], others)
+    other += other >= one
+    x = v[other]
+    z = np.ascontiguousarray(xy).view(np.complex128).ravel()  # one number a point: half as long to look up
+    side = z[u] - z[v]
+    along, gap = z[x] - z[v[one]], side[one]
+    square = along.real**2 + along.imag**2
+    t = (gap.real * along.real + gap.imag * along.imag) / np.maximum(square, 1e-300)
+    gap -= np.clip(t, 0.0, 1.0) * along
+    off = np.hypot(gap.real, gap.imag)
     off[square > LONGEST**2] = np.inf
-    cost = np.maximum.reduceat(off, np.cumsum(count) - count) if len(count) else np.empty(0)
-    length = np.hypot(*(xy[both[:, 0]] - xy[both[:, 1]]).T)
-    cost = np.where(count == 1, length, cost + 0.02 * length)
-    cost[rigid[both[:, 0]]] = 0.0
+    cost = np.hypot(side.real, side.imag)
+    if len(several):
+        cost[several] = np.maximum.reduceat(off, first) + 0.02 * cost[several]
+    cost[rigid[u]] = 0.0
     # what is on no line goes anywhere
     lonely = free & (np.bincount(edges.ravel(), minlength=n) == 0)
     corner = np.flatnonzero(lonely[triangles].any(axis=1))
     rows = triangles[corner][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     rows = rows[lonely[rows[:, 0]]]
     ways = np.concatenate((both, rows))
-    cost = np.concatenate((cost, np.zeros(len(rows))))
+    good = np.append(cost <= tolerance, np.ones(len(rows), dtype=bool))
     order = rng.permutation(len(ways))
-    return ways[order, 0], ways[order, 1], cost[order]
+    return ways[order[good[order]]].T
 
 
 def _independent(xy, triangles, goes, rng):
@@ -216,8 +222,12 @@ def _independent(xy, triangles, goes, rng):
 def _shape(xy, triangles):
     """Signed area over the longest side squared."""
     a, b, c = xy[triangles].transpose(1, 0, 2)
-    square = np.maximum.reduce([((q - p) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
+    square = np.maximum.reduce([_dot(q - p, q - p) for p, q in ((a, b), (b, c), (c, a))])
     return _cross(a, b, c) / (2.0 * np.maximum(square, 1e-300))
+
+
+def _dot(p, q):
+    return p[:, 0] * q[:, 0] + p[:, 1] * q[:, 1]  # several times as fast as a sum over so short an axis
 
 
 def _cross(a, b, c):
@@ -261,7 +271,7 @@ def reinsert(
     >>> xy = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.51, 0.5)])
     >>> triangles, stub = frame_triangles(xy, np.empty((0, 2), dtype=int)), np.array([(4, 5)])
     >>> small, rigid = np.arange(6) == 5, np.zeros(6, dtype=bool)
-    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda: None)
+    >>> coarse = coarsen(xy, triangles, stub, small, rigid, 0, lambda share: None)
     >>> shift = np.zeros((6, 2))
     >>> shift[4] = 0.1, 0.0
     >>> reinsert(coarse, xy, shift, rigid, lambda: None)[4:].round(6).tolist()

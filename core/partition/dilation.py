@@ -622,33 +622,54 @@ def _path(graph, u, v, limit=inf, enough=0.0):
     is good enough.
     """
     best, meeting = _direct(graph, u, v), -1
+    near, far = _search(graph, u, v), _search(graph, v, u)
+    for a, d in near.reached.items():
+        if a in far.reached and d + far.reached[a] < best:
+            best, meeting = d + far.reached[a], a
+    best, meeting = _meet(graph, near, far, best, meeting, limit, enough)
+    if best > limit:
+        return inf, ()
+    return best, _cuts_back(near.came, meeting) + _cuts_back(far.came, meeting)
+
+
+class _Search(NamedTuple):
+    """A search from one end of a path for the other.
+
+    heap : list of (float, int)
+        The nodes that wait, by their distance.
+    reached : dict of int to float
+        The distance of each node that was seen.
+    came : dict of int to (int, int)
+        The node before each of them but the first, and the cut between, or less than 0.
+    goal : list of float
+        Where the other end is.
+    """
+
+    heap: list
+    reached: dict
+    came: dict
+    goal: list
+
+
+def _search(graph, end, goal):
+    reached = _entries(graph, end)
+    return _Search(sorted((d, a) for a, d in reached.items()), reached, {}, graph.position[goal].tolist())
+
+
+def _meet(graph, near, far, best, meeting, limit, enough):
+    """Go on from both ends until no path can be shorter: the shortest, and where its two halves meet."""
     links, place = graph.links, graph.place
-    sides = []
-    for end, goal in ((u, v), (v, u)):
-        reached = _entries(graph, end)
-        heap = sorted((d, a) for a, d in reached.items())
-        sides.append((heap, reached, {}, graph.position[goal].tolist()))
-    heap, reached, came, goal = sides[0]
-    heap_2, reached_2, came_2, goal_2 = sides[1]
-    for a, d in reached.items():
-        if a in reached_2 and d + reached_2[a] < best:
-            best, meeting = d + reached_2[a], a
-    while heap and heap_2 and best > enough:
-        least = heap[0][0] + heap_2[0][0]
+    heap, reached, came, goal = near
+    other_heap, beyond, _, _ = far
+    while heap and other_heap and best > enough:
+        least = heap[0][0] + other_heap[0][0]
         if least >= best or least > limit:
             break
         # the smaller front goes on: where one end is cut off, this does not search all around the other
-        if len(heap_2) < len(heap):
-            heap, reached, came, goal, heap_2, reached_2, came_2, goal_2 = (
-                heap_2,
-                reached_2,
-                came_2,
-                goal_2,
-                heap,
-                reached,
-                came,
-                goal,
-            )
+        if len(other_heap) < len(heap):
+            near, far = far, near
+            heap, reached, came, goal = near
+            other_heap, beyond, _, _ = far
         d, a = heappop(heap)
         if d > reached[a]:
             continue
@@ -660,15 +681,16 @@ def _path(graph, u, v, limit=inf, enough=0.0):
                     reached[b] = there
                     came[b] = a, cut
                     heappush(heap, (there, b))
-                    if b in reached_2 and there + reached_2[b] < best:
-                        best, meeting = there + reached_2[b], b
-    if best > limit:
-        return inf, ()
+                    if b in beyond and there + beyond[b] < best:
+                        best, meeting = there + beyond[b], b
+    return best, meeting
+
+
+def _cuts_back(came, a):
+    """The cuts on the way back from a node."""
     cuts = []
-    for back in (came, came_2):
-        a = meeting
-        while a in back:
-            a, cut = back[a]
-            if cut >= 0:
-                cuts.append(cut)
-    return best, cuts
+    while a in came:
+        a, cut = came[a]
+        if cut >= 0:
+            cuts.append(cut)
+    return cuts

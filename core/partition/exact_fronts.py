@@ -132,18 +132,23 @@ def _fronts(columns, trees, room, check):
         offer, demand, self_at[e], sources = _close(
             *sums[:2], length[e], weight[e], limit[e], outside[e], e < trees
         )
-        ways = sums[2]
-        if count[e] == 1:
-            paths.extend([point[2] for point in sources])
-        elif count[e] == 2:
-            paths.extend([k for point in sources for k in point[2:]])
-        elif count[e]:
-            left, right = ways
-            paths.extend([k for point in sources for k in left[point[2]] + right[point[3]]])
+        paths.extend(_points_below(sources, count[e], sums[2]))
         if len(offer) <= room and len(demand) <= room:
             fronts[e] = offer, demand
     cost = [inf if front is None else front[0][0][0] for front in fronts[:trees]]
     return cost, (paths, begin, self_at)
+
+
+def _points_below(sources, count, ways):
+    """The points of the children below each of some sums, one after the other."""
+    if count == 1:
+        return [point[2] for point in sources]
+    if count == 2:
+        return [k for point in sources for k in point[2:]]
+    if not count:
+        return ()
+    left, right = ways
+    return [k for point in sources for k in left[point[2]] + right[point[3]]]
 
 
 def _size(front):
@@ -159,38 +164,53 @@ def _add_children(fronts, base, weight, limit, reach, room):
     if not fronts:
         return [(0.0, base, 0, 0)], [], None
     if len(fronts) == 1:  # most nodes of deep trees
-        offer, demand = fronts[0]
-        least = offer[0][0]
-        return (
-            _front([
-                (w, v + base, i, 0)
-                for i, (w, v) in enumerate(offer)
-                if not i or w < least + weight and v + base <= limit
-            ]),
-            _front([
-                (w, v + base, i, 0)
-                for i, (w, v) in enumerate(demand, len(offer))
-                if w < least and v + base <= -reach
-            ]),
-            None,
-        )  # fmt: skip
+        return _only_child(*fronts[0], base, weight, limit, reach)
     ways = [[(k,) for k in range(_size(front))] for front in fronts] if len(fronts) > 2 else None
     while len(fronts) > 2:
-        joined, joined_ways = [], []
-        for k in range(0, len(fronts) - 1, 2):
-            offer, demand = _add(*fronts[k], *fronts[k + 1], base, inf, inf, inf, reach)
-            if len(offer) > room or len(demand) > room:
-                return None
-            left, right = ways[k : k + 2]
-            joined.append(([p[:2] for p in offer], [p[:2] for p in demand]))
-            joined_ways.append([left[i] + right[j] for _, _, i, j in offer + demand])
-            base = 0.0
-        odd = len(fronts) & ~1
-        fronts, ways = joined + fronts[odd:], joined_ways + ways[odd:]
+        halved = _in_pairs(fronts, ways, base, reach, room)
+        if halved is None:
+            return None
+        (fronts, ways), base = halved, 0.0
     left, right = fronts
     least = left[0][0][0] + right[0][0][0]
     offer, demand = _add(*left, *right, base, least, least + weight, limit, reach)
     return offer, demand, ways
+
+
+def _only_child(offer, demand, base, weight, limit, reach):
+    """The useful points of the front of an only child, as sums."""
+    least = offer[0][0]
+    return (
+        _front([
+            (w, v + base, i, 0)
+            for i, (w, v) in enumerate(offer)
+            if not i or w < least + weight and v + base <= limit
+        ]),
+        _front([
+            (w, v + base, i, 0)
+            for i, (w, v) in enumerate(demand, len(offer))
+            if w < least and v + base <= -reach
+        ]),
+        None,
+    )  # fmt: skip
+
+
+def _in_pairs(fronts, ways, base, reach, room):
+    """Half as many fronts, each of two added up, and the points below; None if one is too long.
+
+    The first pair has the base.
+    """
+    joined, joined_ways = [], []
+    for k in range(0, len(fronts) - 1, 2):
+        offer, demand = _add(*fronts[k], *fronts[k + 1], base, inf, inf, inf, reach)
+        if len(offer) > room or len(demand) > room:
+            return None
+        left, right = ways[k : k + 2]
+        joined.append(([p[:2] for p in offer], [p[:2] for p in demand]))
+        joined_ways.append([left[i] + right[j] for _, _, i, j in offer + demand])
+        base = 0.0
+    odd = len(fronts) & ~1
+    return joined + fronts[odd:], joined_ways + ways[odd:]
 
 
 def _add(left_offer, left_demand, right_offer, right_demand, base, least, dear, limit, reach):
@@ -261,12 +281,7 @@ def _close(offer, demand, length, weight, limit, outside, root):
 
     Returns its offers, its demands, which of them is SELF, and the sums below all of them.
     """
-    cheapest = below = offer[0]
-    for point in demand:
-        if point[1] <= -length:  # serves the demand
-            if point[0] < cheapest[0]:
-                below = point
-            break
+    below = _below_self(offer, demand, length)
     own = below[0] + weight
     if root:
         return [(own, length)], [], 0, [below]
@@ -280,6 +295,21 @@ def _close(offer, demand, length, weight, limit, outside, root):
         offers.append((own, length))
         sources.append(below)
 
+    demands = _demands(demand, offer[0], cap, limit, outside, sources)
+    return offers, demands, self_at, sources
+
+
+def _below_self(offer, demand, length):
+    """The cheapest sum below a node that is SELF: an offer, or a demand that its length serves."""
+    cheapest = offer[0]
+    for point in demand:
+        if point[1] <= -length:
+            return point if point[0] < cheapest[0] else cheapest
+    return cheapest
+
+
+def _demands(demand, cheapest, cap, limit, outside, sources):
+    """The demands of a node that cost less than the cap; adds the sums below them to the sources."""
     demands, most = [], 0.0
     for point in demand:
         if point[0] >= cap:
@@ -293,7 +323,7 @@ def _close(offer, demand, length, weight, limit, outside, root):
     if cheapest[0] < cap and most > -limit and limit >= outside:
         demands.append((cheapest[0], -limit))
         sources.append(cheapest)
-    return offers, demands, self_at, sources
+    return demands
 
 
 def _trace(count, cost, paths, begin, self_at, check):

@@ -181,7 +181,7 @@ class GivenLines:
         ]
 
 
-def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int) -> np.ndarray:
+def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int, measure: Metric) -> np.ndarray:
     """Return which features have a latitude beyond 90 degrees, so that their CRS cannot be right.
 
     Parameters
@@ -190,13 +190,15 @@ def beyond_the_poles(rings: Rings, owner: np.ndarray, count: int) -> np.ndarray:
     owner : (q,) int
     count : int
         The number of features.
+    measure : Metric
+        Of angles.
 
     Returns
     -------
     (count,) bool
     """
     strange = np.zeros(count, dtype=bool)
-    beyond = np.abs(rings.coords[:, 1]) > 90.0 + 1e-9
+    beyond = np.abs(rings.coords[:, 1] * measure.degrees) > 90.0 + 1e-9
     strange[np.repeat(owner, np.diff(rings.offsets[rings.polygon_offsets]))[beyond]] = True
     return strange
 
@@ -263,21 +265,7 @@ def prepare(
     owner, count = chunk.owner, len(chunk.features)
     area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
     feature_area = np.bincount(owner, weights=area, minlength=count)
-    reasons: dict[int, str] = {}
-    floors = []
-    for name, values, most in (
-        ("SMALLEST_PART", smallest_part, 100.0),
-        ("MIN_LENGTH", min_length, math.inf),
-        ("MIN_HOLE", min_hole, math.inf),
-    ):
-        bad = ~((values >= 0.0) & (values <= most))
-        for f in np.flatnonzero(bad).tolist():
-            reasons[f] = (
-                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
-                if most < math.inf
-                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
-            )
-        floors.append(np.where(bad, 0.0, values)[owner])
+    floors, reasons = _floors(smallest_part, min_length, min_hole)
     near = None
     if lines is not None:
         bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()
@@ -285,9 +273,9 @@ def prepare(
     prepared = solve.prepare(
         chunk.rings,
         natural=natural,
-        smallest=floors[0] / 100.0 * feature_area[owner],
-        min_length=floors[1],
-        min_hole=floors[2],
+        smallest=floors[0][owner] / 100.0 * feature_area[owner],
+        min_length=floors[1][owner],
+        min_hole=floors[2][owner],
         lines=None if lines is None or near is None else [lines.ends[own] for own in near],
         new_vertices=new_vertices,
         measure=chunk.measure,
@@ -313,6 +301,25 @@ def prepare(
     for feature, reason in reasons.items():
         problem.refuse(feature, reason)
     return problem
+
+
+def _floors(smallest_part, min_length, min_hole):
+    """What is too small, for each feature, and {feature: why its number is none}."""
+    reasons, floors = {}, []
+    for name, values, most in (
+        ("SMALLEST_PART", smallest_part, 100.0),
+        ("MIN_LENGTH", min_length, math.inf),
+        ("MIN_HOLE", min_hole, math.inf),
+    ):
+        bad = ~((values >= 0.0) & (values <= most))
+        for f in np.flatnonzero(bad).tolist():
+            reasons[f] = (
+                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
+                if most < math.inf
+                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
+            )
+        floors.append(np.where(bad, 0.0, values))
+    return floors, reasons
 
 
 def for_tau(

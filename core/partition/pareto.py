@@ -23,13 +23,18 @@ import numpy as np
 from ..rings import offsets_of, ranges
 
 __all__ = [
-    "CHUNK", "DENSE", "Front", "Join", "assemble", "blocks", "dense_pairs", "first_points", "groups",
-    "pack", "pair_count", "pareto", "sizes", "small_pairs", "tabulated",
+    "CHUNK", "DENSE", "Front", "Join", "Table", "assemble", "dense_pairs", "first_points", "groups",
+    "pack", "pair_count", "pareto", "products", "sizes", "small_pairs", "strips",
 ]  # fmt: skip
 
 CHUNK = 1 << 18  # pairs of points handled in one numpy call
 DENSE = 3000  # pairs from which on one edge is worth numpy calls of its own
-ROWS = 16  # rows looked at by the quick dominance test
+TILE = 32  # points a side of what is looked at as a whole before its sums are made
+STRIP = 1 << 15  # sums handled in one numpy call, at least
+ROWS = 32  # rows looked at by the quick dominance test
+CELLS = 2  # cells of that test, and of large tables, for each of the others
+RADIX = 2000  # points from which on sorting them roughly first pays
+NEAR = 0.1  # how much finer groups are near the cheapest point: 1 / NEAR times
 TABLE = 1024  # cells of a tabulated rest
 FIXED = 40  # binary places of the position along a front, an integer: sums of integers are exact
 
@@ -156,10 +161,16 @@ def pareto(seg: np.ndarray, weight: np.ndarray, value: np.ndarray) -> tuple[np.n
     >>> [x.tolist() for x in pareto(segment, weight, value)]
     [[0, 2, 3], [0, 0, 1]]
     """
-    order = np.argsort(pack(seg, weight), kind="stable")
-    val = value[order]
-    # the major key falls from segment to segment, so the running minimum restarts by itself
-    best = np.minimum.accumulate(pack(-seg, val)).imag
+    if len(seg) and seg[0] == seg[-1]:  # floats alone are faster, and most need no sorting at all
+        some = _not_far_behind(weight, value)
+        order = some[np.argsort(weight[some], kind="stable")]
+        val, seg = value[order], seg[order]
+        best = np.minimum.accumulate(val)
+    else:
+        order = np.argsort(pack(seg, weight), kind="stable")
+        val = value[order]
+        # the major key falls from segment to segment, so the running minimum restarts by itself
+        best = np.minimum.accumulate(pack(-seg, val)).imag
     keep = np.ones(len(order), bool)
     keep[1:] = (seg[1:] != seg[:-1]) | (val[1:] < best[:-1])
     order, seg = order[keep], seg[keep]
@@ -167,6 +178,19 @@ def pareto(seg: np.ndarray, weight: np.ndarray, value: np.ndarray) -> tuple[np.n
     keep = np.ones(len(order), bool)
     keep[:-1] = (seg[1:] != seg[:-1]) | (w[1:] != w[:-1])
     return order[keep], seg[keep]
+
+
+def _not_far_behind(weight, value):
+    """Points that none in an earlier one of 65,536 cells beats: integers of 16 bits are sorted by radix."""
+    low, high = weight.min(), weight.max()
+    if len(weight) < RADIX or not high > low:
+        return np.arange(len(weight))
+    cell = ((weight - low) * (65535 / (high - low))).astype(np.uint16)
+    order = np.argsort(cell, kind="stable")
+    val, cell = value[order], cell[order]
+    first = np.flatnonzero(np.append(True, cell[1:] != cell[:-1]))
+    before = np.minimum.accumulate(np.append(np.inf, np.minimum.reduceat(val, first)[:-1]))
+    return order[val < np.repeat(before, np.diff(np.append(first, len(val))))]
 
 
 def sizes(
@@ -239,26 +263,57 @@ def small_pairs(front: Front, left: np.ndarray, right: np.ndarray, items: np.nda
         a = b
 
 
-def blocks(front: Front, left: int, right: int) -> Iterator[tuple[int, slice, slice]]:
+def products(front: Front, left: int, right: int) -> list[tuple[int, slice, slice]]:
     """The three products of one item: is it a demand, points of the left, points of the right.
 
     Examples
     --------
-    Edge 0 has the points 0 and 1 as offers and 2 as a demand, edge 1 point 3 as an offer.
+    Edge 0 has the points 0 and 1 as offers and 2 as a demand, edge 1 point 3 as an offer, and no demand.
 
     >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
     >>> place = np.arange(4)
-    >>> [(demand, place[x].tolist(), place[y].tolist()) for demand, x, y in blocks(front, 0, 1)]
+    >>> [(demand, place[x].tolist(), place[y].tolist()) for demand, x, y in products(front, 0, 1)]
     [(0, [0, 1], [3]), (1, [2], [3])]
     """
     offer_l, demand_l, offer_r, demand_r = (
         slice(front.ptr[s], front.ptr[s + 1]) for s in (2 * left, 2 * left + 1, 2 * right, 2 * right + 1)
     )
-    for demand, x, y in ((0, offer_l, offer_r), (1, offer_l, demand_r), (1, demand_l, offer_r)):
-        rows = max(1, CHUNK // max(1, y.stop - y.start))
-        if y.stop > y.start:
-            for a in range(x.start, x.stop, rows):
-                yield demand, slice(a, min(a + rows, x.stop)), y
+    three = ((0, offer_l, offer_r), (1, offer_l, demand_r), (1, demand_l, offer_r))
+    return [(k, x, y) for k, x, y in three if x.stop > x.start and y.stop > y.start]
+
+
+def strips(
+    front: Front, x: slice, y: slice, base: float, hopeful: Callable
+) -> Iterator[tuple[slice, slice, np.ndarray, np.ndarray]]:
+    """Strips of a product that may matter: their rows and columns, and the weights and values of the sums.
+
+    The product is looked at in tiles. ``hopeful`` says of the least weight and value of each whether
+    there can be a sum of interest in it; a strip goes from the first to the last such tile of a row.
+
+    Examples
+    --------
+    >>> front = Front(np.array([0, 2, 4]), np.array([0, 1, 0, 2.0]), np.array([5, 2, 6, 4.0]))
+    >>> (strip,) = strips(front, slice(0, 2), slice(2, 4), 1.0, lambda weight, value: weight >= 0.0)
+    >>> [sums.tolist() for sums in strip[2:]]
+    [[[0.0, 2.0], [1.0, 3.0]], [[12.0, 10.0], [9.0, 7.0]]]
+    """
+    wx, vx, wy, vy = front.weight[x], front.value[x] + base, front.weight[y], front.value[y]
+    rows = np.arange(0, len(wx), max(TILE, STRIP // len(wy)))
+    columns = np.arange(0, len(wy), TILE)
+    row_end, column_end = np.append(rows[1:], len(wx)), np.append(columns[1:], len(wy))
+    alive = hopeful(wx[rows, None] + wy[columns], vx[row_end - 1, None] + vy[column_end - 1])
+    some = np.flatnonzero(alive.any(axis=1))
+    first = columns[alive.argmax(axis=1)].tolist()
+    last = column_end[::-1][alive[:, ::-1].argmax(axis=1)].tolist()
+    for k in some.tolist():
+        i, j = slice(int(rows[k]), int(row_end[k])), slice(first[k], last[k])
+        weight, value = wx[i, None] + wy[j], vx[i, None] + vy[j]
+        yield (
+            slice(x.start + i.start, x.start + i.stop),
+            slice(y.start + j.start, y.start + j.stop),
+            weight,
+            value,
+        )
 
 
 def dense_pairs(
@@ -269,8 +324,8 @@ def dense_pairs(
     value_cap: np.ndarray,
     weight_cap: np.ndarray,
     check: Callable,
-) -> list[np.ndarray]:
-    """Useful sums of one item with many pairs: is it a demand, point, point, weight, value.
+) -> Iterator[tuple]:
+    """Useful sums of one item with many pairs: are they demands, points, points, weights, values.
 
     Examples
     --------
@@ -278,48 +333,79 @@ def dense_pairs(
 
     >>> front = Front(np.array([0, 2, 3, 4, 4]), np.array([0, 1, 0, 1.0]), np.array([5, 2, -3, 4.0]))
     >>> cap = np.full(2, np.inf)
-    >>> [x.tolist() for x in dense_pairs(front, 0, 1, 1.0, cap, cap, lambda: None)]
-    [[0, 0, 1], [0, 1, 2], [3, 3, 3], [1.0, 2.0, 1.0], [10.0, 7.0, 2.0]]
+    >>> for demand, *found in dense_pairs(front, 0, 1, 1.0, cap, cap, lambda: None):
+    ...     print(demand, [x.tolist() for x in found])
+    0 [[0, 1], [3, 3], [1.0, 2.0], [10.0, 7.0]]
+    1 [[2], [3], [1.0], [2.0]]
     """
-    parts = []
-    for demand, x, y in blocks(front, left, right):
-        check()
-        wx, vx, wy, vy = front.weight[x], front.value[x] + base, front.weight[y], front.value[y]
-        useful, weight, value = _undominated(wx, vx, wy, vy)
-        if not weight[-1, -1] < weight_cap[demand]:
-            useful &= weight < weight_cap[demand]
-        if not value[0, 0] <= value_cap[demand]:
-            useful &= value <= value_cap[demand]
-        if not demand and x.start == front.ptr[2 * left]:
-            useful[0, 0] = True
-        k = np.flatnonzero(useful)
-        i, j = np.divmod(k, len(wy))
-        parts.append((np.full(len(k), demand), i + x.start, j + y.start, weight.ravel()[k], value.ravel()[k]))
-    return [np.concatenate(x) for x in zip(*parts)]
+    for demand in (0, 1):
+        own = [(x, y) for kind, x, y in products(front, left, right) if kind == demand]
+        if not own:
+            continue
+        undominated = _Envelope(front, own, base, weight_cap[demand])
+        # the cheapest offer stays in any case: SELF and ROOT build on it
+        keep = None if demand else (own[0][0].start, own[0][1].start)
+
+        def hopeful(weight, value, demand=demand, keep=keep, undominated=undominated):
+            alive = (weight < weight_cap[demand]) & (value <= value_cap[demand])
+            alive &= undominated(weight, value)
+            if keep:
+                alive[0, 0] = True
+            return alive
+
+        parts = []
+        for x, y in own:
+            for i, j, weight, value in strips(front, x, y, base, hopeful):
+                check()
+                useful = undominated(weight, value)
+                if not weight[-1, -1] < weight_cap[demand]:
+                    useful &= weight < weight_cap[demand]
+                if not value[0, 0] <= value_cap[demand]:
+                    useful &= value <= value_cap[demand]
+                if (i.start, j.start) == keep:
+                    useful[0, 0] = True
+                k = np.flatnonzero(useful)
+                row, column = np.divmod(k, j.stop - j.start)
+                parts.append((row + i.start, column + j.start, weight.ravel()[k], value.ravel()[k]))
+        if parts:
+            yield demand, *(np.concatenate(x) for x in zip(*parts))
 
 
-def _undominated(wx, vx, wy, vy):
-    """Pairs that a quick test cannot show to be dominated, weights and values: over the outer sum.
+class _Envelope:
+    """A quick test that shows most dominated sums of one item to be so.
 
-    For each of some thresholds t the best value of weight <= t is found among some of the rows;
-    a pair at or above t with a worse value is dominated.
+    For each of some thresholds t the best value of weight <= t is found among the sums of some of the
+    rows; a sum at or above t with a worse value is dominated.
     """
-    weight, value = wx[:, None] + wy, vx[:, None] + vy
-    low, high = weight[0, 0], weight[-1, -1]
-    width = high - low
-    if not width > 0:
-        return np.ones(weight.shape, bool), weight, value
-    cells = len(wy)
-    step = width / cells
-    some = slice(None, None, 1 + len(wx) // ROWS)
-    threshold = low + step * np.arange(cells)
-    j = np.searchsorted(wy, threshold - wx[some, None], "right") - 1
-    found = np.where(j >= 0, vx[some, None] + vy[j], np.inf)
-    # rounding may place t - w(x) a hair beside w(y): one cell of distance makes that harmless
-    best = np.concatenate(([np.inf], np.minimum.accumulate(found.min(axis=0))))
-    cell = weight - low
-    cell *= 1 / step
-    return value <= best.take(cell.astype(np.int32)), weight, value
+
+    def __init__(self, front, own, base, weight_cap):
+        self.low = min(front.weight[x.start] + front.weight[y.start] for x, y in own)
+        high = max(front.weight[x.stop - 1] + front.weight[y.stop - 1] for x, y in own)
+        width = min(high, weight_cap) - self.low
+        self.best = None
+        if not width > 0:
+            return
+        self.cells = max(y.stop - y.start for _, y in own) * CELLS
+        step = width / self.cells
+        self.scale = 1 / step
+        threshold = self.low + step * np.arange(self.cells)
+        best = np.full(self.cells, np.inf)
+        for x, y in own:
+            some = slice(x.start, x.stop, 1 + (x.stop - x.start) // ROWS)
+            wx, vx, wy, vy = front.weight[some], front.value[some] + base, front.weight[y], front.value[y]
+            j = np.searchsorted(wy, threshold - wx[:, None], "right") - 1
+            np.minimum(best, np.where(j >= 0, vx[:, None] + vy[j], np.inf).min(axis=0), out=best)
+        # rounding may place t - w(x) a hair beside w(y): one cell of distance makes that harmless
+        self.best = np.concatenate(([np.inf], np.minimum.accumulate(best)))
+
+    def __call__(self, weight, value):
+        """Whether the test cannot show a sum to be dominated."""
+        if self.best is None:
+            return np.ones(weight.shape, bool)
+        cell = weight - self.low
+        cell *= self.scale
+        np.minimum(cell, self.cells, out=cell)
+        return value <= self.best.take(cell.astype(np.int32))
 
 
 def first_points(
@@ -390,13 +476,12 @@ def groups(
     front: Front,
     long: np.ndarray,
     allowed: np.ndarray,
-    base: np.ndarray,
-    slack: np.ndarray | None = None,
 ) -> np.ndarray:
     """First point of every group of long fronts; points of the other fronts are groups of their own.
 
-    The groups are steps of equal length along the (normalised) front, finer where the slack is
-    small; without a slack, near the cheapest point.
+    The groups are steps of equal length along the (normalised) front, finer near the cheapest point. Finer
+    where little is above the lower bound, as a guide knows it, was worse: as long as a gap is wide beside
+    the front it says little, and later few points are left.
 
     Parameters
     ----------
@@ -405,16 +490,13 @@ def groups(
         Segments to be grouped; each has at least two points.
     allowed : (s,) int
         Largest number of groups in each.
-    base : (s,) float
-        What is added to the slack.
-    slack : (points,) float, optional
 
     Examples
     --------
     Five offers make three groups; the demand behind them is a group of its own.
 
     >>> front = Front(np.array([0, 5, 6]), np.array([0, 1, 2, 3, 4, 0.0]), np.array([8, 6, 4, 2, 0, -1.0]))
-    >>> groups(front, np.array([0]), np.array([3]), np.array([9.0])).tolist()
+    >>> groups(front, np.array([0]), np.array([3])).tolist()
     [0, 2, 4, 5]
     """
     first, last = front.ptr[long], front.ptr[long + 1] - 1
@@ -426,11 +508,7 @@ def groups(
     width = (front.weight[last] - front.weight[first])[own]
     step = np.diff(weight, prepend=0.0) / width
     step -= np.diff(value, prepend=0.0) / (front.value[first] - front.value[last])[own]
-    if slack is None:
-        step /= (weight - front.weight[first][own]) / width + base[own]
-    else:
-        near = np.minimum(slack[at], slack[np.maximum(at - 1, 0)])
-        step /= near + base[own]
+    step /= (weight - front.weight[first][own]) / width + NEAR
     step[begin] = 0.0
     # in integers: sums of floats would depend on the fronts before
     total = np.add.reduceat(step, begin)[own]
@@ -443,8 +521,8 @@ def groups(
     return np.flatnonzero(head)
 
 
-def tabulated(rest: Callable, segment: int, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-    """Rest of all sums of vx and vy, rounded down to the lower end of a cell of a table.
+class Table:
+    """The rest of all sums of a product, rounded down to the lower end of a cell of a table.
 
     Examples
     --------
@@ -452,17 +530,33 @@ def tabulated(rest: Callable, segment: int, vx: np.ndarray, vy: np.ndarray) -> n
 
     >>> def rest(segment, value, rounded=False):
     ...     return 10.0 * value
-    >>> tabulated(rest, 0, np.array([4.0, 0.0]), np.array([6.0, 1.0])).round().tolist()
-    [[100.0, 50.0], [60.0, 10.0]]
+    >>> front = Front(np.array([0, 2, 4]), np.array([0, 1, 0, 2.0]), np.array([4, 0, 6, 1.0]))
+    >>> table = Table(rest, 0, front, slice(0, 2), slice(2, 4), 0.0)
+    >>> table(np.array([10.0, 5, 6, 1])).round().tolist()
+    [100.0, 50.0, 60.0, 10.0]
     """
-    value = vx[:, None] + vy
-    low = value[-1, -1]  # values descend
-    width = value[0, 0] - low
-    if not width > 0:
-        return np.broadcast_to(rest(np.array([segment]), np.array([low])), value.shape)
-    step = width / TABLE
-    # a millionth of a cell below its end: rounding can never lift a value into a better cell
-    table = rest(np.full(TABLE + 1, segment), low + step * (np.arange(TABLE + 1) - 1e-6), True)
-    value -= low
-    value *= 1 / step
-    return table[value.astype(np.int32)]
+
+    def __init__(self, rest: Callable, segment: int, front: Front, x: slice, y: slice, base: float):
+        # values descend
+        self.low = front.value[x.stop - 1] + base + front.value[y.stop - 1]
+        width = front.value[x.start] + base + front.value[y.start] - self.low
+        cells = CELLS * TABLE if (x.stop - x.start) * (y.stop - y.start) > CHUNK else TABLE
+        step = width / cells
+        self.scale = 1 / step if width > 0 else 0.0
+        # a millionth of a cell below its end: rounding can never lift a value into a better cell
+        at = self.low + step * (np.arange(cells + 1) - 1e-6)
+        self.rest = rest(np.full(cells + 1, segment), at, True)
+        self.from_here = np.minimum.accumulate(self.rest[::-1])[::-1]
+
+    def _cell(self, value):
+        cell = value - self.low
+        cell *= self.scale
+        return cell.astype(np.int32)
+
+    def __call__(self, value: np.ndarray) -> np.ndarray:
+        """At most the rest of each value."""
+        return self.rest.take(self._cell(value))
+
+    def least(self, value: np.ndarray) -> np.ndarray:
+        """At most the rest of each value and of all larger ones."""
+        return self.from_here.take(self._cell(value))

@@ -392,126 +392,30 @@ def prepare(
     measure = measure or metric.planar()
     check(0.0)
     polygons, verdict = from_rings(rings)
-    smallest, min_length, min_hole = (
-        np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in (smallest, min_length, min_hole)
-    )
-    min_hole = np.maximum(min_hole, smallest)
-    generalise = lines is None and (natural or bool((smallest > 0.0).any()))
+    sizes = (smallest, min_length, np.maximum(min_hole, smallest))
+    limits = _Limits(*(np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in sizes))
     check(0.15)
-    component, wanted, attachable = _components(polygons, measure, min_hole)
-    new_rows, short, known = np.empty((0, rings.coords.shape[1])), None, None
-    if new_vertices and lines is None:
-        free = ~wanted[component]
-        polygons, new_rows, known = with_feet(
+    if lines is None:
+        found = _diagonals(
             polygons,
             rings,
-            free,
-            smallest[polygons.number] / polygons.unit / polygons.unit,
+            limits,
+            only_natural=natural,
+            new_vertices=new_vertices,
             measure=measure,
             engine=engine,
             check=check,
         )
-        component, wanted, attachable = _components(polygons, measure, min_hole)
-        if (free != ~wanted[component]).any():  # a vertex more changed the area of a hole by its last bit
-            known = None
-    set_aside = np.zeros((len(verdict), len(RULES)), dtype=np.int64)
-    accepted = None
-    more: dict[str, np.ndarray] = {}  # what else belongs to the edges
-    if lines is None:
-        found = from_triangulation(
-            polygons,
-            component,
-            wanted,
-            measure=measure,
-            engine=engine,
-            smallest=smallest[polygons.number] if generalise else None,
-            only_natural=natural,
-            known=known,
-            with_places=not new_vertices,
-            check=stretch(check, 0.15, 0.7),
-        )
-        edges, problem, outline = found.edges, found.verdict, found.edge_length
-        chosen = np.ones(len(edges), dtype=bool)
-        if generalise:
-            chosen = found.why == KEPT if natural else found.why != SMALL
-            number = polygons.number[polygons.polygon_of_vertex[edges[:, 0]]]
-            np.add.at(set_aside, (number, found.why if natural else SMALL * ~chosen), 1)
-            more["share"] = found.share
-        if len(new_rows):
-            chosen &= ~along_edges(polygons, edges)
-        elif found.places is not None:
-            short = found.places
-            owner = polygons.polygon_of_vertex[short.apex]
-            long = short.length * polygons.unit[owner] >= min_length[polygons.number][owner]
-            short = Places(*(x[long] for x in short))
-        verdict[polygons.number] = problem
     else:
-        accepted, edges, edge_line = _from_lines(polygons, lines, len(verdict))
-        problem, outline, chosen = np.full(len(polygons.unit), "", dtype=object), None, True
-        more["edge_line"] = edge_line
-    more["chosen"] = np.broadcast_to(chosen, len(edges))
+        found = _from_lines(polygons, rings, lines, limits, measure)
     check(0.7)
-
-    while True:
-        if (problem != "").any():  # go on without the polygons that cannot be solved
-            good = problem == ""
-            short = _still(polygons, good, short)
-            polygons, edges, outline, more = _kept(polygons, good, edges, outline, more)
-            component, wanted, attachable = _components(polygons, measure, min_hole)
-        owner = polygons.polygon_of_vertex[edges[:, 0]]
-        unit = polygons.unit[owner]
-        position = measure.positions(polygons.xy)
-        length = measure.length(position, edges[:, 0], edges[:, 1])
-        kept = np.ones(len(edges), dtype=bool) if attachable.all() else attachable[edges].all(axis=1)
-        joining = np.flatnonzero(kept)
-        tree, apart = spanning_tree(polygons, component, edges[joining], length[joining], wanted)
-        tree = joining[tree]
-        length = length * unit
-        bounded = kept & more["chosen"] & (length >= min_length[polygons.number][owner])
-        needed = bounded | _mask(tree, len(edges))
-        if not needed.all():
-            edges, length, bounded, owner = (x[needed] for x in (edges, length, bounded, owner))
-            tree = np.searchsorted(np.flatnonzero(needed), tree)
-            more = {name: x[needed] for name, x in more.items()}
-        problem = _connection_problems(polygons, component, wanted, apart)
-        if not (problem != "").any():
-            edge_length = measure.length(
-                position, polygons.vertex, polygons.vertex[polygons.next_corner]
-            ) * spread(polygons.unit, polygons.corner_offsets)
-            if generalise:
-                edge_length = np.where(np.isnan(outline), edge_length, outline)
-            prepared = Prepared(
-                polygons=polygons,
-                verdict=verdict,
-                measure=measure,
-                component=component,
-                wanted=wanted,
-                edges=edges,
-                owner=owner,
-                chord=length,
-                length=length,
-                detour=None,
-                share=more.get("share", np.full(len(edges), np.nan)),
-                bounded=bounded,
-                edge_length=edge_length,
-                generalised=generalise,
-                natural=natural and lines is None,
-                set_aside=set_aside,
-                carved=None,  # type: ignore[arg-type]  # comes below
-                lines=accepted,
-                edge_line=more.get("edge_line"),
-                new_rows=new_rows,
-                places=short,
-            )
-            carved, ambiguous = _carve(prepared, tree)
-            if not ambiguous.any():
-                if generalise:
-                    prepared, carved = _metric(prepared, carved)
-                detour = detours(polygons, edge_length, edges, prepared.length)
-                return prepared._replace(carved=carved, detour=detour)
-            problem = np.full(len(ambiguous), "", dtype=object)
-            problem[ambiguous] = AMBIGUOUS
-        verdict[polygons.number] = problem
+    prepared = _measured(found, verdict, limits, measure)
+    prepared = _connected(prepared, found.problem, limits.min_hole)
+    if prepared.generalised:
+        prepared = _metric(prepared)
+    return prepared._replace(
+        detour=detours(prepared.polygons, prepared.edge_length, prepared.edges, prepared.length)
+    )
 
 
 @np.errstate(over="ignore")  # a tau of 1e300 is as good as none
@@ -783,15 +687,122 @@ def _sums(owner, values, which, count):
     return np.bincount(owner[which], weights=values[which], minlength=count).astype(float)
 
 
-def _components(polygons, measure, min_hole):
-    """Component of each ring, which count, and where cuts may end."""
+class _Limits(NamedTuple):
+    """What is too small to count, for each input polygon; see `partition`."""
+
+    smallest: np.ndarray
+    min_length: np.ndarray
+    min_hole: np.ndarray
+
+
+class _Boundary(NamedTuple):
+    """Component of each ring, which of them count, and at which vertices cuts may end."""
+
+    component: np.ndarray
+    wanted: np.ndarray
+    attachable: np.ndarray
+
+
+class _Candidates(NamedTuple):
+    """Candidates as they were found, not measured yet.
+
+    polygons : Polygons
+        With the new vertices, if some were asked for.
+    boundary : _Boundary
+    problem : (p,) object
+        For each polygon '', or why it has no candidates.
+    edges : (k, 2) int
+    chosen : (k,) bool
+        The others may be edges of T, but are no candidates.
+    share, edge_line, natural, set_aside, lines, new_rows, places
+        See `Prepared`.
+    outline : (c,) float or None
+        See ``edge_length`` of `candidates.Diagonals`.
+    """
+
+    polygons: Polygons
+    boundary: _Boundary
+    problem: np.ndarray
+    edges: np.ndarray
+    chosen: np.ndarray
+    share: np.ndarray
+    edge_line: np.ndarray | None
+    outline: np.ndarray | None
+    natural: bool
+    set_aside: np.ndarray
+    lines: list[Lines] | None
+    new_rows: np.ndarray
+    places: Places | None
+
+
+def _boundary(polygons, measure, min_hole):
     component = boundary_components(polygons)
-    return component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number])
+    return _Boundary(component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number]))
 
 
-def _from_lines(polygons, lines, count):
-    """Lines of each input polygon, and the edges and their lines of the good ones."""
-    accepted = [None] * count
+def _diagonals(polygons, rings, limits, *, only_natural, new_vertices, measure, engine, check):
+    """The candidates among the diagonals of triangulations (section 4.2)."""
+    boundary = _boundary(polygons, measure, limits.min_hole)
+    new_rows, known = np.empty((0, rings.coords.shape[1])), None
+    if new_vertices:
+        free = ~boundary.wanted[boundary.component]
+        least = limits.smallest[polygons.number] / polygons.unit / polygons.unit
+        polygons, new_rows, known = with_feet(
+            polygons, rings, free, least, measure=measure, engine=engine, check=check
+        )
+        boundary = _boundary(polygons, measure, limits.min_hole)
+        if (free != ~boundary.wanted[boundary.component]).any():
+            known = None  # a vertex more changed the area of a hole by its last bit
+    generalise = only_natural or bool((limits.smallest > 0.0).any())
+    found = from_triangulation(
+        polygons,
+        boundary.component,
+        boundary.wanted,
+        measure=measure,
+        engine=engine,
+        smallest=limits.smallest[polygons.number] if generalise else None,
+        only_natural=only_natural,
+        known=known,
+        with_places=not new_vertices,
+        check=stretch(check, 0.15, 0.7),
+    )
+    chosen = np.ones(len(found.edges), dtype=bool)
+    set_aside = np.zeros((len(limits.smallest), len(RULES)), dtype=np.int64)
+    if generalise:
+        chosen = found.why == KEPT if only_natural else found.why != SMALL
+        number = polygons.number[polygons.polygon_of_vertex[found.edges[:, 0]]]
+        np.add.at(set_aside, (number, found.why if only_natural else SMALL * ~chosen), 1)
+    if len(new_rows):
+        chosen &= ~along_edges(polygons, found.edges)
+    return _Candidates(
+        polygons=polygons,
+        boundary=boundary,
+        problem=found.verdict,
+        edges=found.edges,
+        chosen=chosen,
+        share=found.share if generalise else np.full(len(chosen), np.nan),
+        edge_line=None,
+        outline=found.edge_length,
+        natural=only_natural,
+        set_aside=set_aside,
+        lines=None,
+        new_rows=new_rows,
+        places=_long_enough(polygons, found.places, limits.min_length),
+    )
+
+
+def _long_enough(polygons, places, min_length):
+    """The places where a cut would be as long as a candidate must be."""
+    if places is None:
+        return None
+    owner = polygons.polygon_of_vertex[places.apex]
+    kept = places.length * polygons.unit[owner] >= min_length[polygons.number][owner]
+    return Places(*(x[kept] for x in places))
+
+
+def _from_lines(polygons, rings, lines, limits, measure):
+    """The candidates among the lines of each input polygon."""
+    accepted = [None] * len(lines)
     edges, edge_line = [np.empty((0, 2), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     first = polygons.vertex_offsets.tolist()
     for p, number in enumerate(polygons.number.tolist()):
@@ -799,47 +810,141 @@ def _from_lines(polygons, lines, count):
         accepted[number] = found = from_lines(one, lines[number])
         edges.append(found.edges + first[p])
         edge_line.append(found.edge_line)
-    return accepted, np.concatenate(edges), np.concatenate(edge_line)
+    edges, edge_line = np.concatenate(edges), np.concatenate(edge_line)
+    return _Candidates(
+        polygons=polygons,
+        boundary=_boundary(polygons, measure, limits.min_hole),
+        problem=np.full(len(polygons.unit), "", dtype=object),
+        edges=edges,
+        chosen=np.ones(len(edges), dtype=bool),
+        share=np.full(len(edges), np.nan),
+        edge_line=edge_line,
+        outline=None,
+        natural=False,
+        set_aside=np.zeros((len(lines), len(RULES)), dtype=np.int64),
+        lines=accepted,
+        new_rows=np.empty((0, rings.coords.shape[1])),
+        places=None,
+    )
 
 
-def _kept(polygons, good, edges, outline, more):
-    """Some of the polygons, with their edges, outlines, and what belongs to the edges."""
+def _measured(found, verdict, limits, measure):
+    """Candidates and polygon edges with their lengths; T is not known yet."""
+    polygons, edges = found.polygons, found.edges
+    owner = polygons.polygon_of_vertex[edges[:, 0]]
+    position = measure.positions(polygons.xy)
+    chord = measure.length(position, edges[:, 0], edges[:, 1]) * polygons.unit[owner]
+    edge_length = measure.length(position, polygons.vertex, polygons.vertex[polygons.next_corner])
+    edge_length = edge_length * spread(polygons.unit, polygons.corner_offsets)
+    if found.outline is not None:
+        edge_length = np.where(np.isnan(found.outline), edge_length, found.outline)
+    prepared = Prepared(
+        polygons=polygons,
+        verdict=verdict,
+        measure=measure,
+        component=found.boundary.component,
+        wanted=found.boundary.wanted,
+        edges=edges,
+        owner=owner,
+        chord=chord,
+        length=chord,
+        detour=None,  # type: ignore[arg-type]  # comes with T
+        share=found.share,
+        bounded=found.chosen & (chord >= limits.min_length[polygons.number][owner]),
+        edge_length=edge_length,
+        generalised=found.outline is not None,
+        natural=found.natural,
+        set_aside=found.set_aside,
+        carved=None,  # type: ignore[arg-type]  # comes with T
+        lines=found.lines,
+        edge_line=found.edge_line,
+        new_rows=found.new_rows,
+        places=found.places,
+    )
+    attachable = found.boundary.attachable
+    return prepared if attachable.all() else _with_edges(prepared, attachable[edges].all(axis=1))
+
+
+def _connected(prepared, problem, min_hole):
+    """The polygons carved open along T (section 4.3), without those where that cannot be."""
+    while True:
+        prepared.verdict[prepared.polygons.number] = problem
+        if (problem != "").any():
+            prepared = _with_polygons(prepared, problem == "", min_hole)
+        prepared, tree, problem = _with_tree(prepared)
+        if (problem != "").any():
+            continue
+        carved, ambiguous = _carve(prepared, tree)
+        if not ambiguous.any():
+            return prepared._replace(carved=carved)
+        problem[ambiguous] = AMBIGUOUS
+
+
+def _with_tree(prepared):
+    """T, with no edges but T and the candidates; for each polygon '', or why it has no T."""
+    polygons, component, wanted = prepared.polygons, prepared.component, prepared.wanted
+    tree, apart = spanning_tree(polygons, component, prepared.edges, prepared.chord, wanted)
+    needed = prepared.bounded | _mask(tree, len(prepared.edges))
+    if not needed.all():
+        prepared = _with_edges(prepared, needed)
+        tree = np.searchsorted(np.flatnonzero(needed), tree)
+    return prepared, tree, _connection_problems(polygons, component, wanted, apart)
+
+
+def _with_edges(prepared, kept):
+    """With some of the edges."""
+    names = ("edges", "owner", "chord", "length", "share", "bounded", "edge_line")
+    own = ((name, getattr(prepared, name)) for name in names)
+    return prepared._replace(**{name: x[kept] for name, x in own if x is not None})
+
+
+def _with_polygons(prepared, good, min_hole):
+    """With some of the polygons."""
     which = np.flatnonzero(good)
-    if outline is not None:
-        outline = outline[take(polygons.corner_offsets, which)[0]]
-    number = np.full(len(polygons.xy), -1)
-    polygons, vertex = polygon_stage.select(polygons, which)
+    polygons, vertex = polygon_stage.select(prepared.polygons, which)
+    number = np.full(len(prepared.polygons.xy), -1)
     number[vertex] = np.arange(len(vertex))
-    kept = number[edges[:, 0]] >= 0
-    return polygons, number[edges[kept]], outline, {name: x[kept] for name, x in more.items()}
+    boundary = _boundary(polygons, prepared.measure, min_hole)
+    corner, _ = take(prepared.polygons.corner_offsets, which)
+    places = _still(prepared.polygons, good, prepared.places)
+    prepared = _with_edges(prepared, good[prepared.owner])
+    return prepared._replace(
+        polygons=polygons,
+        component=boundary.component,
+        wanted=boundary.wanted,
+        edges=number[prepared.edges],
+        owner=np.searchsorted(which, prepared.owner),
+        edge_length=prepared.edge_length[corner],
+        places=places,
+    )
 
 
-def _still(polygons, good, short):
+def _still(polygons, good, places):
     """The places in some of the polygons, by the numbers in these."""
-    if short is None:
+    if places is None:
         return None
-    kept = good[polygons.polygon_of_vertex[short.apex]]
-    short = Places(*(x[kept] for x in short))
+    kept = good[polygons.polygon_of_vertex[places.apex]]
+    places = Places(*(x[kept] for x in places))
     corner, vertex = (
         np.cumsum(np.repeat(good, np.diff(offsets))) - 1
         for offsets in (polygons.corner_offsets, polygons.vertex_offsets)
     )
-    return short._replace(apex=vertex[short.apex], edge=corner[short.edge])
+    return places._replace(apex=vertex[places.apex], edge=corner[places.edge])
 
 
-def _metric(prepared, carved):
+def _metric(prepared):
     """Lengths of the edges that keep the triangle inequality though the outline got shorter.
 
     A chord may be longer than the generalised outline beside it. The shortest way between its ends, with
     all candidates selected, is taken for its length then; the dual tree gives it in two passes.
     """
+    carved = prepared.carved
     net = carved.net
     below, above = witness_lengths(net, None)
     node_length = np.minimum(net.length, np.minimum(below, above))
     length = prepared.length.copy()
     length[carved.node_edge] = node_length[net.tree.roots :]
-    carved = carved._replace(net=net._replace(length=node_length))
-    return prepared._replace(length=length), carved
+    return prepared._replace(length=length, carved=carved._replace(net=net._replace(length=node_length)))
 
 
 def _connection_problems(polygons, component, wanted, apart):

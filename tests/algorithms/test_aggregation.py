@@ -25,7 +25,10 @@ from qgis.core import (  # noqa: E402
     QgsProcessingContext,
     QgsProcessingFeatureSource,
     QgsProcessingFeedback,
+    QgsProcessingOutputLayerDefinition,
     QgsProcessingUtils,
+    QgsProject,
+    QgsRenderContext,
     QgsVectorLayer,
 )
 
@@ -295,8 +298,8 @@ def test_areas_that_lost_their_class_are_counted_and_told(qgis_app):
     results, _, said = aggregate(layer, THRESHOLD=300)
     # b is above half of 300, c is not
     assert results["LOST_COUNT"] == 1
-    assert any("Of 3 areas above half of the minimum size, 1 lost their class: b 1 of 1." in line
-               for line in said)  # fmt: skip
+    assert "Areas above half of the minimum size that lost their class: 1 of 3 (b: 1 of 1)." in said
+    assert "Classes without any region: b (1 area, 0.016 ha), c (1 area, 0.012 ha)." in said
 
 
 def test_pieces_of_an_area_lose_its_class_by_most_of_its_size(qgis_app):
@@ -325,6 +328,7 @@ def test_the_report(qgis_app, tmp_path):
     cells = re.findall(r"<tr>(.*?)</tr>", text)
     (total,) = [row for row in cells if row.startswith("<td class=text>total<")]
     assert f"<td>{results['TOTAL_COST']:.6g}</td>" in total
+    assert "Minimum size: 300 square metres.</p>" in text
     (lost,) = [row for row in cells if row.startswith("<td class=text>a&lt;b</td><td>2</td>")]
     assert "100.0 %" in lost or "0.0 %" in lost
     refused, _, said = aggregate(strip("ab"), REPORT=str(tmp_path / "nothere" / "x.html"))
@@ -357,6 +361,58 @@ def test_regions_have_a_colour_for_each_class(qgis_app):
     assert len(set.union(*found.values())) == 3
 
 
+def test_regions_that_are_loaded_have_a_legend_of_the_classes(qgis_app):
+    from isthmus.algorithms.aggregation.style import by_class
+
+    def drawn(found, classes, kind="string(9)"):
+        """The colour and the label of each value."""
+        made = QgsVectorLayer(f"Polygon?field=region:integer&field=code:{kind}", "x", "memory")
+        for value in found:
+            feature = QgsFeature(made.fields())
+            feature.setAttributes([1, value])
+            feature.setGeometry(QgsGeometry.fromWkt(box(0, 0)))
+            made.dataProvider().addFeature(feature)
+        made.loadNamedStyle(str(ROOT / "resources" / "styles" / "regions.qml"))
+        by_class(made, "code", classes)
+        renderer, context = made.renderer(), QgsRenderContext()
+        renderer.startRender(context, made.fields())
+        colours = []
+        for feature in made.getFeatures():
+            symbol = renderer.symbolForFeature(feature, context)
+            colours.append(symbol.color().name())
+        renderer.stopRender(context)
+        return colours, [item.label() for item in renderer.legendSymbolItems()]
+
+    colours, labels = drawn(["311", "312", "311", NULL], ["312", "311", "512", "312 ", NULL])
+    assert labels == ["311", "312", "512", "no class"]
+    assert colours[0] == colours[2] and len(set(colours)) == 3
+    # a class that is gone does not change the colours of the others, and a number is no text
+    assert drawn([311, 312], [512, 312, 311], "integer")[0] == colours[:2]
+    many, labels = drawn(["1", "2"], [str(k) for k in range(101)])
+    assert labels == [""]  # one symbol, coloured by an expression
+
+
+def test_the_result_gets_the_legend_when_it_is_loaded(qgis_app):
+    context = QgsProcessingContext()
+    project = QgsProject()
+    context.setProject(project)
+    output = QgsProcessingOutputLayerDefinition("memory:", project)
+    output.destinationName = "Regions"
+    parameters = {
+        "INPUT": strip("aab"),
+        "CLASS": "code",
+        "METHOD": "greedy",
+        "THRESHOLD": 150,
+        "OUTPUT": output,
+    }
+    results, fine = AggregateAlgorithm().create().run(parameters, context, Listener())
+    assert fine
+    details = context.layerToLoadOnCompletionDetails(results["OUTPUT"])
+    layer = context.takeResultLayer(results["OUTPUT"])
+    details.postProcessor().postProcessLayer(layer, context, Listener())
+    assert [item.label() for item in layer.renderer().legendSymbolItems()] == ["a", "b"]
+
+
 def test_areas_on_top_of_each_other_are_kept(qgis_app):
     layer = areas([(box(0, 0), "a"), (box(0, 0), "a"), (box(10, 0), "b"), (box(5, 2, 2, 2), "b")])
     results, layers, _ = aggregate(layer, THRESHOLD=150)
@@ -374,6 +430,50 @@ def test_areas_that_overlap_become_a_valid_region(qgis_app):
     assert region.geometry().isGeosValid()
     assert sum(r["areas"] for r in layers["OUTPUT"]) == 4
     assert region.geometry().area() == pytest.approx(1000.0)
+
+
+def test_areas_that_overlap_are_told(qgis_app):
+    _, _, said = aggregate(areas([(box(0, 0), "a"), (box(10, 0), "b"), (box(20, 0), "c")]), THRESHOLD=1)
+    assert not any("overlap" in line for line in said)
+    rows = [(box(0, 0), "a"), (box(10, 0), "b"), (box(18, 0, 12), "c"), (box(0, 0), "b")]
+    _, _, said = aggregate(areas(rows), THRESHOLD=1)
+    (line,) = [line for line in said if "overlap" in line]
+    assert line.startswith("2 pairs of areas overlap: 1 and 4, 2 and 3. ")
+
+
+def test_a_gap_that_keeps_a_small_area_from_its_neighbour_is_told(qgis_app):
+    _, _, said = aggregate(areas([(box(0, 0, 30), "a"), (box(30.001, 0), "b")]), THRESHOLD=200)
+    (line,) = [line for line in said if "no boundary in common" in line]
+    assert "1 region, such as area 2 beside area 1." in line
+    for rows in (
+        [(box(0, 0, 30), "a"), (box(40, 0), "b")],  # a gap as wide as the area: an island
+        [(box(0, 0, 30), "a"), (box(30, 0), "b")],  # none
+        [(box(0, 0, 30), None), (box(30, 0), "b")],  # the neighbour has no class
+    ):
+        _, _, said = aggregate(areas(rows), THRESHOLD=200)
+        assert not any("no boundary in common" in line for line in said)
+
+
+@pytest.mark.parametrize("tool", [prepare, aggregate])
+def test_a_plane_that_is_no_place_to_measure_is_told(qgis_app, tool):
+    def told(crs, x, y):
+        _, _, said = tool(areas([(box(x, y), "a"), (box(x + 10, y), "b")], crs=crs))
+        return [line for line in said if "times as large" in line or "from latitude" in line]
+
+    (line,) = told("EPSG:3857", 1_100_000, 6_650_000)  # at 51.2 degrees north, 1 / cos^2
+    assert "EPSG:3857" in line and "2.54 times as large" in line
+    assert not told("EPSG:3857", 0, 0)  # true at the equator
+    assert not told("EPSG:25832", 500_000, 5_700_000) and not told("EPSG:3035", 4_000_000, 3_000_000)
+    assert not told("EPSG:2263", 980_000, 200_000)  # feet, in New York
+    assert not told("EPSG:4326", 10, 50)
+    (line,) = told("EPSG:4326", 500_000, 5_700_000)
+    assert "from latitude 5700000 to 5700010" in line
+
+
+def test_of_many_areas_without_a_class_some_are_named(qgis_app):
+    _, _, said = aggregate(strip([None] * 30 + ["a"] * 3), THRESHOLD=1)
+    assert sum("is left as it is" in line for line in said) == 20
+    assert "... and 10 more; see the field status." in said
 
 
 def test_a_number_of_regions(qgis_app):
@@ -472,7 +572,9 @@ def test_a_threshold_larger_than_the_map(qgis_app):
     results, layers, said = aggregate(strip("aab"), THRESHOLD=1e9)
     assert sum(r["size"] for r in layers["OUTPUT"]) == pytest.approx(300.0)
     assert results["CHANGED_SHARE"] == 0.0
-    assert any("threshold larger than the map" in line for line in said)
+    assert any("larger than the map? Those that hang together by shared boundaries have 300 sq" in line
+               for line in said)  # fmt: skip
+    assert not any("could not be helped" in line for line in said)  # of each region, that would be noise
 
 
 def test_when_all_classes_are_excluded_that_is_said(qgis_app):

@@ -199,6 +199,30 @@ def test_degrees_stay_on_the_globe(run, layer):
     assert np.ptp(island, axis=0) == pytest.approx((40.0, 40.0)) and (np.abs(world) <= (180, 90)).all()
 
 
+def test_longitudes_from_0_to_360(run, layer):
+    land = layer(
+        "Polygon?crs=EPSG:4326",
+        [(f"POLYGON(({x} 0, {x + 90} 0, {x + 90} 60, {x} 60, {x} 0))", []) for x in (0, 90, 180, 270)],
+    )
+    focus = layer("Polygon?crs=EPSG:4326", [("POLYGON((80 -1, 280 -1, 280 61, 80 61, 80 -1))", [])])
+    found = features(run(TOOL, parameters(land, focus, SCALE=1.0)))
+    assert [f.geometry().boundingBox().xMaximum() for f in found] == [90, 180, 270, 360]
+    found = features(run(TOOL, parameters(land, focus, SCALE=0.5)))
+    assert np.ptp(points(found[1].geometry()), axis=0) == pytest.approx((45.0, 30.0))
+    assert found[3].geometry().boundingBox().xMaximum() == pytest.approx(360.0)
+
+
+@pytest.mark.parametrize("crs, region, words", [
+    ("EPSG:4326", "EPSG:4326", r"in degrees \(EPSG:4326\), and \(4e\+06 .*Is its CRS right"),
+    ("EPSG:3035", "EPSG:4326", "has no place in the CRS of the map .EPSG:3035"),
+])  # fmt: skip
+def test_metres_in_a_layer_of_degrees_are_told(run, layer, crs, region, words):
+    square = "POLYGON((4e6 3e6, 4.1e6 3e6, 4.1e6 3.1e6, 4e6 3.1e6, 4e6 3e6))"
+    land = layer(f"Polygon?crs={crs}", [(square, [])])
+    with pytest.raises(QgsProcessingException, match=words):
+        run(TOOL, parameters(land, layer(f"Polygon?crs={region}", [(square, [])])))
+
+
 def test_growth(run, land, focus):
     """By what the region needs, three times as much at most: 12 of 30 are in focus."""
     for scale, growth in ((2.0, {}), (2.2, {}), (2.0, {"GROWTH": 30})):
@@ -322,6 +346,9 @@ def test_numbers_that_are_none_are_refused(provider, land, focus):
             parameters(land, focus, **{name: float("nan")}), QgsProcessingContext()
         )
         assert not ok and name in message
+    for scale in (0.0, 1000.0):
+        ok, message = tool.checkParameterValues(parameters(land, focus, SCALE=scale), QgsProcessingContext())
+        assert not ok and "0.01" * (scale == 0.0) + "at most 100" * (scale > 0.0) in message
 
 
 def test_a_single_point(run, layer, focus):

@@ -263,6 +263,19 @@ def test_parts_by_number_and_expression(run, layer, feedback):
         hierarchy(run, source, TAU=0.5)
 
 
+@pytest.mark.parametrize("nothing", [None, NULL, ""])
+def test_an_optional_number_that_is_nothing_is_not_given(run, layer, nothing):
+    """QGIS makes 0 of NULL: a hierarchy of 0 parts, and of parts of 0 per cent."""
+    source = layer("Polygon?crs=EPSG:3857", [(DUMBBELL, [])])
+    given = {"INPUT": source, "OUTPUT": "memory:", "CUTS": "memory:", "TAU": 1.2, "PLACES": "Any"}
+    assert run("isthmus:hierarchy", given | {"PARTS": nothing})["PART_COUNT"] > 3
+    least = [
+        run("isthmus:partition", given | {"TAU": 4} | one)["CUT_COUNT"]
+        for one in ({"SMALLEST_PART": nothing}, {}, {"SMALLEST_PART": 0})
+    ]
+    assert least[0] == least[1] < least[2]
+
+
 def test_the_filter_works_in_files(run, layer, tmp_path):
     source = layer("Polygon?crs=EPSG:4326", [(ROOMS, []), (None, []), (DUMBBELL, [])])
     for name in ("parts.gpkg", "parts.geojson", "parts.shp"):

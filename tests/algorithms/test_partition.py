@@ -7,13 +7,19 @@ import numpy as np
 import pytest
 from qgis.core import (
     NULL,
+    Qgis,
     QgsApplication,
+    QgsCoordinateReferenceSystem,
+    QgsDistanceArea,
+    QgsFeatureRequest,
     QgsGeometry,
     QgsLineString,
+    QgsPointXY,
     QgsPolygon,
     QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingFeatureSourceDefinition,
+    QgsProject,
     QgsProperty,
     QgsVectorFileWriter,
     QgsVectorLayer,
@@ -136,6 +142,48 @@ def test_degrees_are_measured_in_metres(run, layer):
     assert partition(run, source, MIN_LENGTH=250000)["CUT_COUNT"] == 0
 
 
+@pytest.mark.parametrize("crs, degrees, length", [
+    (QgsCoordinateReferenceSystem("EPSG:4807"), 0.9, None),  # grads, of which QGIS does not know the unit
+    (QgsCoordinateReferenceSystem.fromProj("+proj=longlat +R=3396190 +no_defs"), 1, 59274.7),  # Mars
+])  # fmt: skip
+def test_angles_of_every_geographic_crs_are_measured_in_metres(run, layer, feedback, crs, degrees, length):
+    """QGIS 3.22 does not know that a CRS of the user is geographic: a degree of Mars was one metre."""
+    source = layer("Polygon?crs=EPSG:4326", [(DUMBBELL, [])])
+    source.setCrs(crs)
+    if length is None:
+        ground = QgsDistanceArea()
+        ground.setEllipsoid("EPSG:7011")
+        ground.setSourceCrs(
+            QgsCoordinateReferenceSystem("EPSG:4275"), QgsProject.instance().transformContext()
+        )
+        length = ground.measureLine(QgsPointXY(9, 4.5 * degrees), QgsPointXY(9, 5.5 * degrees))
+    results = partition(run, source, feedback)
+    assert [c["length"] for c in rows(results["CUTS"])] == pytest.approx([length] * 2, rel=1e-4)
+    assert any(" m in all" in text for text in feedback.infos)
+    north = QgsGeometry.fromWkt(DUMBBELL)
+    north.translate(0, 90 / degrees - 10)
+    source = layer("Polygon?crs=EPSG:4326", [(north, [])])
+    source.setCrs(crs)
+    partition(run, source, feedback)
+    assert not feedback.warnings  # the pole is no latitude beyond it
+
+
+def test_a_line_of_no_length_is_told_whatever_qgis_does_with_invalid_features(run, layer, feedback):
+    """QGIS's check would end the run by an exception through Python, which crashed some time later."""
+    source = layer("Polygon?crs=EPSG:3857", [(DUMBBELL, [])])
+    lines = layer(
+        "LineString?crs=EPSG:3857", [("LINESTRING(1 1,1 1)", []), ("LINESTRING(10 4.5,10 5.5)", [])]
+    )
+    checked = QgsProcessingFeatureSourceDefinition(
+        QgsProject.instance().addMapLayer(lines).id(), False, -1,
+        QgsProcessingFeatureSourceDefinition.Flag.FlagOverrideDefaultGeometryCheck,
+        QgsFeatureRequest.InvalidGeometryCheck.GeometryAbortOnInvalid,
+    )  # fmt: skip
+    assert partition(run, source, feedback, CANDIDATES=checked)["CUT_COUNT"] == 1
+    assert [text for text in feedback.warnings if "line 1 was left out" in text]
+    QgsProject.instance().clear()
+
+
 def test_own_lines_as_candidates(run, layer, feedback):
     source = layer("Polygon?crs=EPSG:3857", [(DUMBBELL, [])])
     lines = layer(
@@ -255,6 +303,31 @@ def test_z_is_kept_where_the_layer_does_not_declare_it(run, layer, tmp_path):
     results = partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"))
     (part,) = rows(QgsVectorLayer(results["OUTPUT"]))
     assert sorted(v.z() for v in part["geometry"].vertices()) == [1, 1, 2, 3, 4]
+
+
+def test_triangles_and_surfaces_are_polygons(run, layer):
+    """They were called empty, and a GeoPackage lost them."""
+    source = layer("PolygonZ?crs=EPSG:3857", [("TRIANGLE Z((0 0 1,9 0 2,0 9 3,0 0 1))", [])])
+    (part,) = rows(partition(run, source)["OUTPUT"])
+    assert part["status"] == "" and part["geometry"].wkbType() == QgsWkbTypes.Type.PolygonZ
+    assert [v.z() for v in part["geometry"].vertices()] == [1, 2, 3, 1]
+
+
+@pytest.mark.skipif(Qgis.QGIS_VERSION_INT < 34000, reason="QGIS 3.22 cannot read them")
+@pytest.mark.parametrize("wkt", [
+    f"POLYHEDRALSURFACE(({DUMBBELL[8:-1]}),((40 0,49 0,40 9,40 0)))", "TIN(((0 0,9 0,0 9,0 0)),((9 0,9 9,0 9,9 0)))",
+])  # fmt: skip
+def test_surfaces_patch_by_patch(run, layer, tmp_path, wkt):
+    geometry = QgsGeometry.fromWkt(wkt)
+    source = layer(f"{wkt.partition('(')[0]}?crs=EPSG:3857", [(geometry, [])] * 2)
+    path = str(tmp_path / "parts.gpkg")
+    partition(run, source, OUTPUT=path, TAU=QgsProperty.fromExpression("if($id = 1, 4, 0)"))
+    parts = rows(QgsVectorLayer(path))
+    good = [p["geometry"] for p in parts if p["source"] == 1]
+    assert len(good) == (4 if "POLY" in wkt else 2)
+    assert sum(one.area() for one in good) == pytest.approx(242.5 if "POLY" in wkt else 81)
+    (whole,) = [p["geometry"] for p in parts if p["source"] == 2]
+    assert whole.area() == pytest.approx(sum(one.area() for one in good))
 
 
 def test_curves_become_segments(run, layer):

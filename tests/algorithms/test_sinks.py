@@ -5,7 +5,10 @@ from osgeo import gdal
 from qgis.core import (
     QgsProcessingException,
     QgsProcessingFeatureSourceDefinition,
+    QgsProcessingOutputLayerDefinition,
     QgsProject,
+    QgsProperty,
+    QgsRemappingSinkDefinition,
     QgsVectorLayer,
 )
 
@@ -146,6 +149,38 @@ def test_no_input_is_overwritten(run, few, tmp_path):
             assert layers_of(path)[f"parts{number}"] >= 9
     assert len(layers_of(path)) == 5
     QgsProject.instance().clear()
+
+
+def test_a_result_without_an_ending_is_no_input_either(run, few, tmp_path):
+    """QGIS makes a GeoPackage of it, and land.gpkg was gone before it was read."""
+    path = tmp_path / "land.gpkg"
+    partition(run, few, OUTPUT=str(path))
+    for name in ("land", "land.gpkg"):
+        with pytest.raises(QgsProcessingException, match="OUTPUT would overwrite the input INPUT"):
+            partition(run, str(path), OUTPUT=str(tmp_path / name))
+    with pytest.raises(QgsProcessingException, match="CUTS would overwrite the result OUTPUT"):
+        partition(run, str(path), OUTPUT=str(tmp_path / "both.gpkg"), CUTS=str(tmp_path / "both"))
+    assert layers_of(path) == {"land": 9}
+
+
+def test_a_cancelled_run_adds_nothing_to_a_layer_that_was_there(run, source, tmp_path, cancelling):
+    """A third of the parts used to be added."""
+    path = tmp_path / "all.gpkg"
+    partition(run, source, OUTPUT=str(path))
+    layer = QgsVectorLayer(str(path))
+    append = QgsRemappingSinkDefinition()
+    append.setDestinationFields(layer.fields())
+    append.setDestinationWkbType(layer.wkbType())
+    append.setDestinationCrs(layer.crs())
+    names = [name for name in layer.fields().names() if name != "fid"]
+    append.setFieldMap({name: QgsProperty.fromField(name) for name in names})
+    target = QgsProcessingOutputLayerDefinition(f"ogr:dbname='{path}' table=\"all\" (geom)")
+    target.setRemappingDefinition(append)
+    feedback = cancelling(reports_of(run, source, cancelling()) - 20)
+    assert "OUTPUT" not in partition(run, source, feedback, OUTPUT=target)
+    assert layers_of(path) == {"all": 3 * MANY}
+    partition(run, source, OUTPUT=target)
+    assert layers_of(path) == {"all": 6 * MANY}
 
 
 def test_two_results_in_one_file(run, few, tmp_path):

@@ -77,6 +77,24 @@ def test_help_opens_the_page_of_the_tool(provider):
         assert page.stem == tool.name() and tool.displayName() in page.read_text(encoding="utf-8")
 
 
+def test_help_is_german_in_a_german_qgis(provider, monkeypatch):
+    from isthmus.algorithms import words
+
+    class Locale:
+        name = "de_CH"
+
+        @classmethod
+        def locale(cls):
+            return cls.name
+
+    monkeypatch.setattr(words, "QgsApplication", Locale)
+    for name, title in (("README", "# Referenz\n"), ("partition", "# Polygone an Engstellen zerlegen\n")):
+        german = Path(QUrl(words.help_url(name)).toLocalFile())
+        assert german.parent.name == "de" and german.read_text(encoding="utf-8").startswith(title)
+    Locale.name = "fr"  # there is none
+    assert "de" not in Path(QUrl(words.help_url()).toLocalFile()).parts[-2:]
+
+
 def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
     from isthmus.plugin import IsthmusPlugin
 
@@ -91,6 +109,7 @@ def test_the_plugin_starts_and_stops_without_a_window(qgis_app, provider):
 def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
     """The tools speak German where QGIS does; names, values and defaults stay."""
     from isthmus.algorithms import words
+    from isthmus.algorithms.base import counted
     from qgis.PyQt.QtCore import QCoreApplication
 
     translate = tool("translate")
@@ -130,11 +149,14 @@ def test_german(tool, tmp_path, monkeypatch, provider, run, layer, feedback):
         assert any("tau muss eine Zahl ab 1 sein und ist 0.5" in text for text in feedback.warnings)
         status = {feature["status"] for feature in result["OUTPUT"].getFeatures()}
         assert "tau must be a number of at least 1, and is 0.5" in status
+        # a comma stands before decimals there
+        assert counted(1234567, "part") == "1\u00a0234\u00a0567 Teile" and counted(1, "cut") == "1 Schnitt"
         ok, problem = german.checkParameterValues({"MIN_LENGTH": "x"}, QgsProcessingContext())
         assert not ok and problem == "MIN_LENGTH muss eine Zahl sein und ist 'x'."
     finally:
         QCoreApplication.removeTranslator(translator)
     assert english.create().displayName() == "Partition polygons at bottlenecks"
+    assert counted(1234567, "part") == "1,234,567 parts"
 
 
 def test_texts_that_nobody_would_translate_are_found(tool):

@@ -48,8 +48,9 @@ def test_contents(archive):
     assert {"requirements.txt", "gui"} <= top and "owner.ini" not in top
     assert "isthmus/i18n/isthmus_de.qm" in files and not [name for name in files if name.endswith(".ts")]
     assert "isthmus/resources/example.geojson" in files
-    pages = {Path(name).stem for name in files if name.startswith("isthmus/help/")}
-    assert {"README", "partition", "hierarchy", "aggregate", "focusmap"} <= pages
+    pages = {name.removeprefix("isthmus/help/") for name in files if name.startswith("isthmus/help/")}
+    names = {"README.html", "partition.html", "hierarchy.html", "aggregate.html", "focusmap.html"}
+    assert names | {f"de/{name}" for name in names} <= pages
     needs = archive.read("isthmus/requirements.txt").decode()
     assert "shapely" in needs and "pytest" not in needs and "numpy" not in needs.replace("numpy stays", "")
 

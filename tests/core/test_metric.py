@@ -82,6 +82,13 @@ def test_across_the_antimeridian_and_around_it():
     assert same == pytest.approx(same[0], rel=1e-12)
 
 
+def test_grads():
+    xy, measure = np.array([[10, 50], [12, 51.0], [-3, 90]]), ellipsoidal(A, B, 0.9)
+    for one, other in ((measure.positions, METRIC.positions), (measure.equal_area, METRIC.equal_area)):
+        assert one(xy / 0.9) == pytest.approx(other(xy), rel=1e-12)
+    assert 0.9 * measure.conformal(xy[:2] / 0.9) == pytest.approx(METRIC.conformal(xy[:2]), rel=1e-12)
+
+
 def test_distinct_points_are_apart():
     nearly = np.nextafter(12.0, 13.0)
     assert (lengths(((12, 50), (nearly, 50)), ((3, 90), (99, 90))) > 0).all()

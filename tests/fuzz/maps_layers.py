@@ -155,6 +155,12 @@ def _some(rng, rows):
     return rng.choice(alive) if alive else None
 
 
+def _some_ring(rng, rows):
+    """A ring of some area; empty if there is none."""
+    row = _some(rng, rows)
+    return rng.choice(rng.choice(row[0]["parts"])) if row else []
+
+
 def _move(rng, rows, by):
     """One vertex of one area, everywhere it stands in that area."""
     row = _some(rng, rows)
@@ -182,11 +188,9 @@ def push(rng, rows):
 
 def drop_vertex(rng, rows):
     """T-junctions where it was on a straight line, gaps or overlaps where not."""
-    row = _some(rng, rows)
-    if row:
-        ring = rng.choice(rng.choice(row[0]["parts"]))
-        if len(ring) > 4:
-            del ring[rng.randrange(1, len(ring) - 1)]
+    ring = _some_ring(rng, rows)
+    if len(ring) > 4:
+        del ring[rng.randrange(1, len(ring) - 1)]
 
 
 def straighten(rng, rows):
@@ -201,21 +205,17 @@ def straighten(rng, rows):
 
 def add_vertex(rng, rows):
     """A vertex in the middle of an edge, on one side only."""
-    row = _some(rng, rows)
-    if row:
-        ring = rng.choice(rng.choice(row[0]["parts"]))
-        if len(ring) > 1:
-            k = rng.randrange(1, len(ring))
-            ring.insert(k, [(a + b) / 2.0 for a, b in zip(ring[k - 1], ring[k])])
+    ring = _some_ring(rng, rows)
+    if len(ring) > 1:
+        k = rng.randrange(1, len(ring))
+        ring.insert(k, [(a + b) / 2.0 for a, b in zip(ring[k - 1], ring[k])])
 
 
 def repeat_vertex(rng, rows):
-    row = _some(rng, rows)
-    if row:
-        ring = rng.choice(rng.choice(row[0]["parts"]))
-        if ring:
-            k = rng.randrange(len(ring))
-            ring.insert(k, list(ring[k]))
+    ring = _some_ring(rng, rows)
+    if ring:
+        k = rng.randrange(len(ring))
+        ring.insert(k, list(ring[k]))
 
 
 def turn_ring(rng, rows):
@@ -272,22 +272,18 @@ def flat(rng, rows):
 
 def swap_vertices(rng, rows):
     """Most often a ring that crosses itself."""
-    row = _some(rng, rows)
-    if row:
-        ring = rng.choice(rng.choice(row[0]["parts"]))
-        if len(ring) > 4:
-            a, b = rng.sample(range(1, len(ring) - 1), 2)
-            ring[a], ring[b] = ring[b], ring[a]
+    ring = _some_ring(rng, rows)
+    if len(ring) > 4:
+        a, b = rng.sample(range(1, len(ring) - 1), 2)
+        ring[a], ring[b] = ring[b], ring[a]
 
 
 def spike(rng, rows):
-    row = _some(rng, rows)
-    if row:
-        ring = rng.choice(rng.choice(row[0]["parts"]))
-        if len(ring) > 2:
-            k = rng.randrange(1, len(ring))
-            out = [c + rng.uniform(-2, 2) for c in ring[k][:2]] + ring[k][2:]
-            ring[k:k] = [list(ring[k]), out]
+    ring = _some_ring(rng, rows)
+    if len(ring) > 2:
+        k = rng.randrange(1, len(ring))
+        out = [c + rng.uniform(-2, 2) for c in ring[k][:2]] + ring[k][2:]
+        ring[k:k] = [list(ring[k]), out]
 
 
 def sliver(rng, rows):

@@ -35,19 +35,10 @@ def polygons(wkts, crs="EPSG:3857"):
     return layer
 
 
-def rough(count):
-    """An island: a circle with noise of all wave lengths."""
-    random = np.random.default_rng(1)
-    angle = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
-    wave = np.arange(count // 2 + 1.0)
-    wave[1:] **= -1.2
-    noise = np.fft.irfft(wave * np.exp(2j * np.pi * random.random(len(wave))), count)
-    radius = 1e6 * np.exp(0.35 * noise / noise.std())
-    xy = np.c_[radius * np.cos(angle), radius * np.sin(angle)]
-    geometry = QgsGeometry()
-    head = np.array([3, 1, count + 1], "<u4").tobytes()
-    geometry.fromWkb(b"\x01" + head + np.vstack((xy, xy[:1])).tobytes())
-    return geometry
+@pytest.fixture
+def rough(tool):
+    """An island of so many vertices: ``rough(count)``."""
+    return tool("window").rough_island
 
 
 def segments(geometries):
@@ -73,7 +64,7 @@ def cuts_of(tool, layer, **parameters):
 
 
 @pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
-def test_the_preview_is_what_the_tools_make(provider, places, smallest):
+def test_the_preview_is_what_the_tools_make(provider, places, smallest, rough):
     from isthmus.algorithms.partition.preview import preview
 
     layer = polygons([ROOMS, HOLE, rough(3000)])
@@ -228,7 +219,7 @@ def test_the_command_is_quoted_for_the_shell(qgis_app, provider):
     assert " --TAU=3 " in command and command.endswith(" --OUTPUT=C:\\plain.gpkg")
 
 
-def test_cancel_and_another_layer(panel, wait):
+def test_cancel_and_another_layer(panel, wait, rough):
     layer = polygons([rough(200_000)])
     panel.find()
     task = panel.task
@@ -238,6 +229,39 @@ def test_cancel_and_another_layer(panel, wait):
     assert task is not None and panel.preview is None and panel.find_button.isEnabled()
     QgsProject.instance().removeMapLayer(layer)
     assert panel.layer_box.currentLayer() is None and not panel.find_button.isEnabled()
+
+
+def test_layers_come_and_go(panel, wait):
+    """The box of layers says when others come or go, and says nothing of the layer itself after that."""
+    other, another, layer = polygons([ROOMS]), polygons([ROOMS]), polygons([HOLE])
+    panel.layer_box.setLayer(layer)
+    solve(panel, wait)
+    kept = panel.preview
+    QgsProject.instance().removeMapLayer(other)
+    assert panel.layer_box.currentLayer() is layer and panel.preview is kept
+    panel.write()
+    wait(lambda: panel.writing is None)
+    assert panel.preview is kept
+    QgsProject.instance().removeMapLayer(layer)
+    assert panel.preview is None and panel.band.size() == 0 and not panel.write_button.isEnabled()
+    panel.layer_box.setLayer(another)
+    solve(panel, wait)
+
+
+def test_what_the_panel_says(panel, wait, monkeypatch):
+    """One cut is no cuts, and a reason of the core is in the user's language."""
+    from isthmus.gui import panel as module
+
+    monkeypatch.setattr(module, "spoken", lambda sentence: f"<{sentence.template}>")
+    polygons([ROOMS, "POLYGON((0 0,9 9,9 0,0 9,0 0))"])
+    solve(panel, wait)
+    panel.by_parts.setChecked(True)
+    panel.slider.setValue(2)
+    counts, reason = panel.text.text().splitlines()
+    assert counts == "2 parts of each feature: 3 parts, 1 cut"
+    assert reason == "Not everything can be cut: <invalid geometry: {}>"
+    panel.slider.setValue(1)
+    assert panel.text.text().startswith("1 part of each feature: 2 parts, 0 cuts")
 
 
 def test_the_map_may_have_another_crs(panel, iface, wait):
@@ -254,7 +278,7 @@ def test_the_map_may_have_another_crs(panel, iface, wait):
 
 @pytest.mark.parametrize("places, smallest", [("Natural", 1.0), ("Any", 0.0)])
 def test_the_slider_moves_the_cuts_of_100000_vertices_within_100_ms(
-    panel, iface, wait, places, smallest, capsys
+    panel, iface, wait, places, smallest, rough, capsys
 ):
     layer = polygons([rough(100_000)])
     iface.canvas.setDestinationCrs(layer.crs())

@@ -117,6 +117,8 @@ def test_degrees_are_metres_on_the_ellipsoid(package):
     ends = shapely.get_coordinates(ground.cuts.geoms[0]).T
     _, _, length = pyproj.Geod(ellps="WGS84").inv(ends[0, 0], ends[1, 0], ends[0, 1], ends[1, 1])
     assert ground.cut_fields["length"][0] == pytest.approx(length, rel=1e-4) != 0.2
+    grads = package.partition(shapely.transform(far, lambda xy: xy / 0.9), smallest_part=0, crs="EPSG:4902")
+    assert grads.cut_fields["length"][0] == pytest.approx(length, rel=1e-3)  # on another ellipsoid
     beyond = shapely.transform(ROOMS, lambda xy: xy + (0, 85))
     with pytest.warns(UserWarning, match="1 of 2 features are measured in the plane.*1: a latitude"):
         found = package.partition([far, beyond], smallest_part=0, crs="OGC:CRS84")

@@ -1,6 +1,7 @@
 """What is made only for the zip: metadata, help pages, the translation; and what no release may have."""
 
 import configparser
+import os
 import re
 from pathlib import Path
 
@@ -36,26 +37,27 @@ def test_metadata_has_the_owners_words_and_the_changes(release):
         release.metadata(
             text,
             owner.replace("%25", ""),
-            f"# Changes\n\n## {version}\n\n* `TAU` by 3 %.\n\n## 0.0.1\n\n* Old.\n",
+            f"# Changes\n\n## {version}\n\n* `TAU` by 3 %, [see](docs/x.md).\n\n## 0.0.1\n\n* Old.\n",
         )
     )
     assert found["author"] == "Ada" and found["email"] == "ada@lovelace.org"
     assert found["name"] == "Isthmus" and found["version"] == version
-    assert f"Version {version}" in found["changelog"] and "TAU by 3 per cent" in found["changelog"]
+    assert f"Version {version}" in found["changelog"] and "TAU by 3 per cent, see." in found["changelog"]
     assert "Old" not in found["changelog"]
     with pytest.raises(SystemExit, match="no section for version"):
         release.metadata(text, owner.replace("%25", ""), "# Changes\n\n## 0.0.1\n")
 
 
 def test_pages_of_the_reference_become_html(release):
-    for path in (ROOT / "docs" / "reference").glob("*.md"):
+    for path in (ROOT / "docs" / "reference").rglob("*.md"):
         page = release.html_page(path.read_text(encoding="utf-8"))
         body = page.partition("<body>")[2]
         assert not re.search(r"\]\(|\*\*|^\||^#|```", body, re.MULTILINE), path.name
         for tag in ("table", "p", "code", "i", "h2", "pre", "tr"):
             assert page.count(f"<{tag}>") == page.count(f"</{tag}>")
-        for target in re.findall(r'href="(\w+)\.html"', page):
-            assert (ROOT / "docs" / "reference" / f"{target}.md").exists()
+        targets = re.findall(r'href="([^"]+)\.html"', page)
+        assert all((path.parent / f"{target}.md").exists() for target in targets)
+        assert targets or path.name != "README.md"
     page = release.html_page(
         "# A & B\n\nOne *two* `a*b*c` [x](y.md).\n\n| a | b |\n|---|---|\n| `1` | <2 |\n"
     )
@@ -127,3 +129,21 @@ watched "$1" QGIS broken || echo failed $?
     assert done.stdout.split() == ["done", "failed", "3"]
     for said in ("1 of 3 packages fetched", "1 of 3 packages unpacked", "1 of 3 packages set up"):
         assert said in done.stderr, done.stderr
+
+
+def test_long_tests_show_that_they_live(tmp_path):
+    """Those that end soon say nothing."""
+    import subprocess
+    import sys
+
+    (tmp_path / "test_long.py").write_text("import time\n\ndef test(): time.sleep(1)\n")
+    plugins = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": os.pathsep.join([
+        str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")]),
+    ])}  # fmt: skip
+    for tick, more in (("0.4", ["-p", "xdist", "-n", "1"]), ("60", [])):
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-p", "conftest", *more, "-c", os.devnull, "--rootdir", tmp_path, tmp_path],
+            env={**os.environ, **plugins, "ISTHMUS_TICK": tick}, capture_output=True, encoding="utf-8",
+        )  # fmt: skip
+        assert "1 passed" in done.stdout, done.stdout + done.stderr
+        assert ("isthmus: 0 tests done, " in done.stdout) == (tick == "0.4"), done.stdout

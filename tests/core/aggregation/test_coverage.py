@@ -4,8 +4,20 @@ import numpy as np
 import pytest
 import shapely
 
+import shapely.ops
 from isthmus.core import metric
-from isthmus.core.aggregation.coverage import centroids, cover, faults, joined, shared, spreads
+from isthmus.core.aggregation.areas import arrange, posed
+from isthmus.core.aggregation.coverage import (
+    centroids,
+    cover,
+    faults,
+    joined,
+    overlapping,
+    shared,
+    spreads,
+)
+from isthmus.core.aggregation.instance import Solution, costs
+from isthmus.core.rings import Rings
 
 
 def rows_of(polygons):
@@ -134,6 +146,34 @@ def random_coverage(seed, n=60):
     return list(cells)
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_where_areas_overlap_some_pair_is_found_and_all_of_them_do(seed):
+    rng = np.random.default_rng(seed)
+    kind = seed % 4
+    polygons = random_coverage(seed, 25)
+    if kind == 1:  # some larger, some smaller
+        for k in rng.choice(len(polygons), 3, replace=False).tolist():
+            polygons[k] = polygons[k].buffer(rng.uniform(-3, 3), join_style="mitre")
+    elif kind == 2:  # another map on it, as large, or larger
+        polygons += [shapely.affinity.scale(one, 1 + seed % 3, 1, origin=(0, 0))
+                     for one in random_coverage(seed + 1000, 9)]  # fmt: skip
+    elif kind == 3:  # one that holds, or is held by, or crosses
+        x, y, side = *rng.uniform(-20, 60, 2), rng.uniform(1, 140)
+        polygons = [shapely.box(x, y, x + side, y + side), *polygons[: rng.integers(1, 25)]]
+    true = {
+        (a, b)
+        for b, one in enumerate(polygons)
+        for a in range(b)
+        if polygons[a].intersection(one).area > 1e-6
+    }
+    coverage = covered(*polygons)
+    found = overlapping(coverage, np.array(polygons), np.ones(len(polygons), dtype=bool))
+    assert set(map(tuple, found.tolist())) <= true
+    assert bool(len(found)) == bool(true)
+    if kind == 0:
+        assert not true
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_joined_regions_are_the_unions(seed):
     polygons = random_coverage(seed)
@@ -256,6 +296,54 @@ def test_cutting_never_raises_the_distance_to_a_centre(seed):
         assert area @ split <= whole.area * np.hypot(away, np.sqrt(own)) * (1 + 1e-12)
         # the mean squares add up exactly
         assert area @ split**2 == pytest.approx(whole.area * (away**2 + own))
+
+
+@pytest.mark.parametrize("measure", [metric.planar(), metric.ellipsoidal()])
+@pytest.mark.parametrize("seed", range(6))
+def test_cutting_never_raises_the_cost_of_a_region_with_the_same_centre(seed, measure):
+    """From outlines to costs; between centroids it does, or nothing would be tested here."""
+    rng = np.random.default_rng(seed)
+    # where it is degrees a map of 500 m: an edge is no straight line on the ground
+    cells = shapely.transform(random_coverage(seed, 40), lambda xy: 5e-5 * xy + [10.0, 50.0])
+    region = _regions_of(cells, 6, rng)
+    core = np.array([rng.choice(np.flatnonzero(region == r)) for r in range(6)])
+
+    def costs_of(polygons, owner, points=False):
+        coords, offsets, ring_polygon = rows_of(polygons)
+        rings = Rings(coords, offsets, np.append(0, np.cumsum(np.bincount(ring_polygon))))
+        areas = arrange(range(len(polygons)), rings, np.arange(len(polygons)), measure)
+        classes = [str(k % 3) for k in owner.tolist()]
+        weights = (1.0, 1e4, 1e-3)
+        problem = posed(areas, classes, ["0", "1", "2"], [], np.zeros(3), 1 - np.eye(3), weights, False)
+        if points:
+            problem = problem._replace(spread=np.zeros(len(polygons)))
+        at = np.array([owner.tolist().index(k) for k in core.tolist()])  # cores stay whole: the same centres
+        return costs(problem, Solution(region[owner], at))
+
+    parts, owner = [], []
+    for k, cell in enumerate(cells):
+        own = [cell]
+        if k not in core:
+            x, y = cell.centroid.coords[0]
+            line = shapely.LineString([(x - 9, y - 9 * np.tan(seed)), (x + 9, y + 9 * np.tan(seed))])
+            own = list(shapely.ops.split(cell, line).geoms)
+        parts += own
+        owner += [k] * len(own)
+    before = costs_of(cells, np.arange(len(cells)))
+    after = costs_of(parts, np.array(owner))
+    assert len(parts) > len(cells) + 20
+    assert after.change == pytest.approx(before.change, rel=1e-5)
+    assert after.boundary == pytest.approx(before.boundary, rel=1e-5)
+    assert before.centre * (1 - 0.1) < after.centre < before.centre
+    points = costs_of(parts, np.array(owner), True).centre / costs_of(cells, np.arange(40), True).centre
+    assert points > 1.0
+
+
+def _regions_of(cells, count, rng):
+    """A region for each cell: that of the nearest of some of them."""
+    places = np.array([cell.centroid.coords[0] for cell in cells])
+    seeds = places[rng.choice(len(cells), count, replace=False)]
+    return np.hypot(*(places[:, None] - seeds).T).T.argmin(axis=1)
 
 
 def test_nothing():

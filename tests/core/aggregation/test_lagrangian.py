@@ -107,13 +107,13 @@ def test_exact_is_as_exact_with_it(by_class, monkeypatch):
 
 
 def test_a_middle_sized_map_has_a_bound_that_means_something():
-    problem = random_map(4, n=40)._replace(theta=np.full(3, 40.0))
+    problem = random_map(4, n=24)._replace(theta=np.full(3, 40.0))
     begin = annealing(problem, seed=1, iterations=20_000)
-    _, found = bounded(problem, begin, seconds=2.0)
+    _, found = bounded(problem, begin)  # to the end: how far it comes in two seconds is up to the machine
     total = costs(problem, begin).total
     # each area with the core that suits it best, whatever is large enough and contiguous
-    alone = shares(problem, np.arange(40), np.arange(40)).min(axis=1).sum()
-    assert max(0.6 * total, 2.0 * alone) < found.value <= total * (1.0 + 1e-9)
+    alone = shares(problem, np.arange(24), np.arange(24)).min(axis=1).sum()
+    assert max(0.75 * total, 2.0 * alone) < found.value <= total * (1.0 + 1e-9)
 
 
 def test_it_stops_in_time():

@@ -1,8 +1,11 @@
 """The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
 
+from time import sleep
+
 import numpy as np
 import pytest
 
+from isthmus.core.aggregation import methods
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
 from isthmus.core.aggregation.exact import exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
@@ -105,6 +108,33 @@ def test_larger_maps_are_feasible(seed, by_class):
     check(problem, first)
     check(problem, second)
     assert costs(problem, second).total < costs(problem, first).total
+
+
+def test_steps_and_a_time_limit_together_end_with_what_is_over_first():
+    problem = random_map(3, n=60)
+    found = annealing(problem, iterations=10**12, seconds=0.2)  # the steps alone would take weeks
+    check(problem, found)
+    by_steps = annealing(problem, iterations=6000)
+    assert annealing(problem, iterations=6000, seconds=1e6).region.tolist() == by_steps.region.tolist()
+
+
+@needs_highs
+def test_the_time_of_exact_is_that_of_its_first_solution_too(monkeypatch):
+    problem, took, told = random_map(3, n=30), [], []
+
+    def slow(*args, **options):
+        told.append(args[3])
+        sleep(0.6)
+        return annealing(*args, **options)
+
+    def bounded(problem, seconds, *args):
+        took.append(seconds)
+        return exact(problem, seconds, *args)
+
+    monkeypatch.setattr(methods, "annealing", slow)
+    monkeypatch.setattr(methods, "exact", bounded)
+    methods.by_method(problem, "exact", seconds=2.0)
+    assert told[0] <= 1.0 and took[0] <= 1.4
 
 
 def test_same_seed_same_result_another_seed_another():

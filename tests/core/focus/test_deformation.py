@@ -190,9 +190,15 @@ def test_other_triangulations_of_points_on_a_circle(seed):
     assert seen == {False, True}
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_darts_become_convex_again(seed):
-    """Corners beyond the other diagonal of their square come back, and no triangle is turned on the way."""
+@pytest.mark.parametrize(
+    "seed, far, times",
+    [(0, 0.11, 1), (1, 0.11, 1), (2, 0.11, 1), (8, 0.2, 4), (46, 0.2, 4), (57, 0.2, 4), (130, 0.2, 4)],
+)
+def test_darts_become_convex_again(seed, far, times):
+    """Corners beyond the other diagonal of their square come back, and no triangle is turned on the way.
+
+    In the last four a corner is left where it has no room unless its neighbours move with it.
+    """
     rng = np.random.default_rng(seed)
     xy = np.array([(x, y) for x in range(9) for y in range(9)], dtype=float) / 8.0
     none = np.empty((0, 2), dtype=int)
@@ -200,11 +206,12 @@ def test_darts_become_convex_again(seed):
     spare = mesh.others(xy, triangles, none)
     inner = ((xy > 0.0) & (xy < 1.0)).all(axis=1)
     shift = np.zeros_like(xy)
-    for vertex in rng.permutation(np.flatnonzero(inner)):
-        trial = shift.copy()
-        trial[vertex] = rng.uniform(-0.11, 0.11, 2)
-        if upright(xy + trial, triangles).all():
-            shift = trial
+    for _ in range(times):
+        for vertex in rng.permutation(np.flatnonzero(inner)):
+            trial = shift.copy()
+            trial[vertex] += rng.uniform(-far, far, 2)
+            if upright(xy + trial, triangles).all():
+                shift = trial
     assert not upright(xy + shift, spare).all()
     held = np.flatnonzero(inner)[0]
     free = inner & (np.arange(len(xy)) != held)
@@ -254,7 +261,9 @@ def coarse_of(seed, n=800):
         )
     ]
     removable = np.arange(len(xy)) < n
-    found = hierarchy.coarsen(xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, nothing)
+    found = hierarchy.coarsen(
+        xy, triangles, edges, removable, np.zeros(len(xy), bool), 60, lambda share: None
+    )
     return xy, triangles, found
 
 
@@ -292,7 +301,7 @@ def test_what_is_known_stays_when_it_is_put_back():
     xy, triangles, edges, _ = frame(3)
     free = ((xy > 0.0) & (xy < 1.0)).all(axis=1)
     known = free & (xy[:, 0] < 0.5)
-    coarse = hierarchy.coarsen(xy, triangles, edges, free, known, 5, nothing)
+    coarse = hierarchy.coarsen(xy, triangles, edges, free, known, 5, lambda share: None)
     gone = known & (coarse.into != np.arange(len(xy)))
     assert np.count_nonzero(gone) > 5
     shift = np.zeros_like(xy)

@@ -429,3 +429,12 @@ def test_dilations_of_natural_candidates_by_the_checker():
             polygon = prepared.polygons
             worst = checker.dilations(polygon.xy, [polygon.vertex], prepared.edges[selected], prepared.edges)
             assert worst.max(initial=1.0) <= tau * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    "reach, end",
+    [(0.0, (0, 0)), (1.5, (1.5, 0)), (2.0, (2, 0)), (2.25, (2, 0.25)), (6.0, (0, 0)), (99.0, (0, 0))],
+)
+def test_a_walk_along_an_outline_ends_after_its_length_or_where_it_began(reach, end):
+    corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
+    assert stage._walk(0, [1, 2, 3, 0], corners, reach) == end
