@@ -209,7 +209,7 @@ def _twins(tail, head, count):
     key = 2 * (low * count + high) + (tail > head)  # those of both directions follow one another
     order = np.argsort(key, kind="stable")
     ordered = key[order]
-    first = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1]))
+    first = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(key)])
     keys = ordered[first]
     pair = np.flatnonzero((keys[1:] == keys[:-1] + 1) & (keys[:-1] % 2 == 0))
     one, other = order[first[pair]], order[first[pair + 1]]

@@ -13,9 +13,10 @@ for each. This stage chooses that set by what research on perception found, at o
 * **A corner is used once.** Short and sharp cuts come first, as in the models of Luo et al. 2015
   and of Papanelopoulos and Avrithis 2015 (BMVC); what is left of the outline must still be concave
   for another cut. So a body is not cut across from the foot of one limb to that of another.
-* **A body is not halved** at a shallow corner. A wide cut that leaves a third of the area or more on both sides
-  parts no limb from a body, so the outline must open up beside it much more than beside a limb's base. Else the
-  cut is no smooth going on of the outline (good continuation: Kellman and Shipley 1991, Cogn. Psychology 23).
+* **A body is not halved** at a shallow corner. A wide cut that leaves a third of the area or more on
+  both sides parts no limb from a body, so the outline must open up beside it much more than beside a
+  limb's base. Else the cut is no smooth going on of the outline (good continuation: Kellman and
+  Shipley 1991, Cogn. Psychology 23).
 
 Everything along the outline, the detours of the solver too, is measured on an outline generalised
 to the scale of the smallest part; cuts and triangulation are those of the original vertices.

@@ -46,6 +46,13 @@ def test_lengths_of_a_noded_coverage():
     assert length.tolist() == [2.0]
 
 
+@pytest.mark.parametrize("rings", [0, 2])
+def test_no_edge_at_all(rings):
+    # no polygon, or polygons that are but a point
+    found = cover(np.zeros((4 * rings, 2)), 4 * np.arange(rings + 1), np.arange(rings))
+    assert not len(found.edge) and not len(shared(found, metric.planar())[0])
+
+
 def test_t_junctions_without_nodes():
     # a tall box beside three low ones: its long side has none of their corners
     tall = shapely.box(0, 0, 1, 3)
