@@ -119,7 +119,7 @@ def enlarge(
     _kinds.least(growth, "growth", 0.0, 1000.0)
     from .core.focus.carrying import Carrier  # these import scipy
     from .core.focus.enlarge import enlarge as solve
-    from .core.focus.globe import on_the_globe
+    from .core.focus.globe import is_on_the_globe, on_the_globe
     from .core.focus.graph import match
     from .core.focus.selection import rule_of
 
@@ -132,9 +132,10 @@ def enlarge(
     if edges is not None:
         given = _given(_of_crs(edges, origin, "edges"), rows, match)
     share, aspect = growth / 100.0, 1.0
-    in_degrees = _kinds.measure_of(origin.crs).conformal is not None
+    measure = _kinds.measure_of(origin.crs)
+    in_degrees = measure.conformal is not None
     if in_degrees:
-        share, aspect = on_the_globe(rows, share)
+        share, aspect = on_the_globe(measure.degrees * rows, share)
     rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
     result = solve(
         rows,
@@ -149,7 +150,7 @@ def enlarge(
         growth=share,
         aspect=aspect,
     )
-    if in_degrees and not (np.abs(result.rows) <= (180.0, 90.0)).all():
+    if in_degrees and not is_on_the_globe(measure.degrees * result.rows, measure.degrees * rows):
         raise Unsolvable("The map would grow beyond the globe. Keep its extent (frame).")
     if len(result.skipped):
         more = " ..." * (len(result.skipped) > _kinds.NAMED)

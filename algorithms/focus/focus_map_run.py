@@ -26,7 +26,7 @@ from qgis.core import (
 from ...core.errors import Cancelled, IsthmusError, Sentence
 from ...core.focus.carrying import Carrier
 from ...core.focus.enlarge import enlarge
-from ...core.focus.globe import on_the_globe
+from ...core.focus.globe import is_on_the_globe, on_the_globe
 from ...core.focus.graph import match
 from ...core.focus.selection import rule_of
 from ...core.metric import FARTHEST
@@ -37,6 +37,7 @@ from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK
 from ..layers.styles import style_on_load
 from ..partition.cutting import NATURAL
+from ..partition.solving import degrees_of
 from ..words import as_sentence, spoken, tr
 from .focus_map import EDGE_FIELDS
 
@@ -128,9 +129,10 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     edges = _given(tool, parameters, context, crs, given.rows, feedback)
     feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
-    if crs.isGeographic():
-        _refuse_beyond_the_globe(given.rows, crs)
-        growth, aspect = on_the_globe(given.rows, growth)
+    degrees = degrees_of(crs)
+    if degrees:
+        _refuse_beyond_the_globe(degrees * given.rows, crs)
+        growth, aspect = on_the_globe(degrees * given.rows, growth)
         feedback.pushInfo(
             tr(
                 "The map is in degrees ({}). It is solved in the equidistant cylindrical projection with "
@@ -154,8 +156,7 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
         return None
     except IsthmusError as problem:
         raise QgsProcessingException(as_sentence(spoken(problem.sentence))) from None
-    reach = np.maximum(np.abs(given.rows).max(axis=0), (180.0, 90.0))  # longitudes may go from 0 to 360
-    if crs.isGeographic() and not (np.abs(result.rows) <= reach).all():
+    if degrees and not is_on_the_globe(degrees * result.rows, degrees * given.rows):
         raise QgsProcessingException(
             tr("The map would grow beyond the globe. Keep its extent (switch the frame on).")
         )

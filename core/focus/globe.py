@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-__all__ = ["on_the_globe"]
+__all__ = ["is_on_the_globe", "on_the_globe"]
 
 
 def on_the_globe(rows: np.ndarray, growth: float) -> tuple[float, float]:
@@ -39,3 +39,24 @@ def on_the_globe(rows: np.ndarray, growth: float) -> tuple[float, float]:
         growth = max(min(growth, 2.0 * room / size[axis] if size[axis] > 0.0 else growth), 0.0)
     middle = min(abs(low[1] + high[1]) / 2.0, 85.0)
     return float(growth), math.cos(math.radians(middle))
+
+
+def is_on_the_globe(rows: np.ndarray, before: np.ndarray) -> bool:
+    """Whether a moved map in degrees is still on the globe: no farther out than it was, or in its bounds.
+
+    Parameters
+    ----------
+    rows : (k, 2) float
+        Longitudes and latitudes.
+    before : (k, 2) float
+        Those before, whose longitudes may go from 0 to 360, too.
+
+    Examples
+    --------
+    >>> is_on_the_globe(np.array([[181.0, 60.0]]), np.array([[170.0, 60.0]]))
+    False
+    >>> is_on_the_globe(np.array([[350.0, 60.0]]), np.array([[355.0, 60.0]]))
+    True
+    """
+    reach = np.maximum(np.abs(before).max(axis=0), (180.0, 90.0))
+    return bool((np.abs(rows) <= reach).all())

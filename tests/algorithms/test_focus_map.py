@@ -189,6 +189,18 @@ def test_degrees(run, layer, feedback):
     assert any("latitude 61.0" in text for text in feedback.infos)
 
 
+def test_grads(run, layer, feedback):
+    """The middle latitude of a map in grads is told and used in degrees."""
+
+    def polygon(*ring):
+        return "POLYGON((" + ", ".join(f"{x / 0.9} {y / 0.9}" for x, y in (*ring, ring[0])) + "))"
+
+    land = layer("Polygon?crs=EPSG:4902", [(polygon((10, 60), (12, 60), (14, 60), (14, 62), (10, 62)), [])])
+    focus = layer("Polygon?crs=EPSG:4902", [(polygon((11, 59), (13.5, 59), (13.5, 61), (11, 61)), [])])
+    run(TOOL, parameters(land, focus, GROWTH=50), feedback)
+    assert any("latitude 61.0" in text for text in feedback.infos)
+
+
 def test_degrees_stay_on_the_globe(run, layer):
     ring = [(x, -90) for x in range(-180, 181, 30)] + [(180, 90), (-180, 90), (-180, -90)]
     wkt = "POLYGON((" + ", ".join(f"{x} {y}" for x, y in ring) + "))"
