@@ -66,6 +66,7 @@ LEFT = 2.0  # degrees: the least sum that earlier cuts must have left
 WIDER = 1.15  # an edge of a triangle beside the diagonal is so much longer ...
 STEP = 1.3  # ... or a diagonal within reach on one side is ...
 TAPER = 0.7  # ... and none within reach on the other side is shorter than this
+PLAIN = 8  # steps a diagonal before leaps are worth their tables
 HALF = 1 / 3  # a cut that leaves more than this share of the area on both sides, ...
 NARROW = 0.2  # ... and is longer than this share of the area's root, halves a body, and needs ...
 OPEN = 80.0  # ... at its ends together so many degrees by which one side opens up, and half the other's
@@ -498,7 +499,9 @@ def opens(
 
     Notes
     -----
-    O(1) for each diagonal within reach of each one asked, one array call a step for all.
+    O(1) for each diagonal within reach of each one asked, one array call a step for all. In outlines that
+    have far more vertices than corners these are too many; after PLAIN steps for each diagonal it goes by
+    leaps of 1, 2, 4 ... steps where there is one way to go, so that O(n log n) are enough.
 
     Examples
     --------
@@ -515,14 +518,30 @@ def opens(
     side = np.tile([0, 1], len(asked))
     edge, triangle = asked[query], beside[asked].ravel()
     way = np.zeros(len(query))
+    # a bit more, for ways that are summed by steps or by leaps may differ by rounding
+    reach = REACH * (1.0 + 1e-12) * length[asked]
+    steps, leaps = 0, None
     while len(query):
+        steps += len(query)
+        if steps > PLAIN * len(length):
+            leaps = leaps or _leaps(length, middle, beside, across, reach.max())
+            state = 2 * edge + (beside[edge, 0] != triangle)
+            for to, far, high, low in reversed(leaps):
+                on = np.flatnonzero((to[state] >= 0) & (way + far[state] <= reach[query]))
+                begin, place, own = state[on], (query[on], side[on]), length[asked[query[on]]]
+                np.maximum.at(longest, place, high[begin] / own)
+                np.minimum.at(shortest, place, low[begin] / own)
+                way[on] += far[begin]
+                state[on] = to[begin]
+            edge = state // 2
+            triangle = beside[edge, state % 2]
         new = across[triangle]
         on = (new >= 0) & (new != edge[:, None])
         row, column = np.nonzero(on)
         new = new[row, column]
         query, side, triangle = query[row], side[row], triangle[row]
         way = way[row] + np.sqrt(((middle[new] - middle[edge[row]]) ** 2).sum(axis=1))
-        near = way <= REACH * length[asked[query]]
+        near = way <= reach[query]
         query, side, triangle, way, edge = (x[near] for x in (query, side, triangle, way, new))
         ratio = length[edge] / length[asked[query]]
         np.maximum.at(longest, (query, side), ratio)
@@ -530,6 +549,28 @@ def opens(
         pair = beside[edge]
         triangle = np.where(pair[:, 0] == triangle, pair[:, 1], pair[:, 0])
     return ((longest >= STEP) & (shortest[:, ::-1] >= TAPER)).any(axis=1)
+
+
+def _leaps(length, middle, beside, across, reach):
+    """Where 1, 2, 4 ... steps lead where there is one way: to, how far, longest and shortest passed.
+
+    A state is twice a diagonal, plus 1 if it is crossed into the second triangle beside it.
+    """
+    new = across[beside.ravel()]
+    edge = np.arange(len(new)) // 2
+    on = (new >= 0) & (new != edge[:, None])
+    single = on.sum(axis=1) == 1
+    into = np.where(single, new[np.arange(len(new)), on.argmax(axis=1)], edge)
+    far = np.sqrt(((middle[into] - middle[edge]) ** 2).sum(axis=1))
+    to = np.where(single & (far <= reach), 2 * into + (beside[into, 0] == beside.ravel()), -1)
+    high = low = length[into]
+    found = []
+    while (to >= 0).any():
+        found.append((to, far, high, low))
+        far = far + far[to]
+        high, low = np.maximum(high, high[to]), np.minimum(low, low[to])
+        to = np.where((to >= 0) & (far <= reach), to[to], -1)
+    return found
 
 
 def one_by_one(

@@ -406,6 +406,33 @@ def test_a_long_taper_needs_few_rounds(monkeypatch):
     assert len(made.corner) < 20 and len(rounds) < 120
 
 
+def dense(polygon, spacing):
+    """A polygon told by far more vertices than it has corners."""
+    return shapes.from_shapely(shapely.segmentize(polygon, spacing))
+
+
+@pytest.mark.parametrize("shape", RANDOM[:3] + HOLED[:3])
+def test_leaps_find_what_steps_find(monkeypatch, shape):
+    told = dense(shape.polygon, 0.02 * shape.polygon.area**0.5)
+    found = []
+    for plain in (np.inf, -1):
+        monkeypatch.setattr(stage, "PLAIN", plain)
+        found.append(natural(told, 0.001)[1].why)
+    assert (found[0] == found[1]).all() and (found[0] == EVEN).any()
+
+
+def test_an_outline_with_far_more_vertices_than_corners_takes_leaps(monkeypatch):
+    """A channel told by so many: walking along it from each diagonal at its corners would take ages."""
+    hall = shapely.box(0, 0, 9, 9)
+    both = shapely.union_all([hall, shapely.box(9, 4, 18, 5), shapely.box(18, 0, 27, 9)])
+    told = dense(both, 0.01)
+    steps = []
+    walk = np.nonzero  # of the edges of the triangles that are reached
+    monkeypatch.setattr(np, "nonzero", lambda x: steps.append(len(x) * (np.ndim(x) == 2)) or walk(x))
+    assert natural(told, 0.01)[1].kept.any()
+    assert 0 < sum(steps) < 20 * len(told.coords)
+
+
 def test_triangles_beside_edges():
     polygon = one(*RANDOM[0])
     edges = stages.diagonals(polygon)
