@@ -28,6 +28,7 @@ __all__ = [
     "shapes",
     "signed_areas",
     "spread",
+    "starts",
     "take",
 ]
 
@@ -155,6 +156,17 @@ def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
     end = np.cumsum(count)
     total = int(end[-1]) if len(end) else 0
     return np.arange(total) + np.repeat(start - end + count, count)
+
+
+def starts(values: np.ndarray) -> np.ndarray:
+    """Return the elements at which runs of equal values start; none of nothing.
+
+    Examples
+    --------
+    >>> starts(np.array([4, 4, 7, 4])), starts(np.array([]))
+    (array([0, 2, 3]), array([], dtype=int64))
+    """
+    return np.flatnonzero(np.append(True, values[1:] != values[:-1])[: len(values)])
 
 
 def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

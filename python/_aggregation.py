@@ -11,7 +11,7 @@ from . import _geometry, _kinds
 from ._cutting import OBJECTIVES, PLACES, _nothing, _pieces, _plain, _problems, _reasons, _settings
 from ._kinds import Source
 from .core.aggregation import areas as core
-from .core.aggregation.coverage import faults, joined
+from .core.aggregation.coverage import each_pair, faults, joined
 from .core.aggregation.exact import Exact
 from .core.aggregation.instance import Costs, Instance, Solution, costs
 from .core.aggregation.methods import METHODS, by_method
@@ -517,9 +517,7 @@ def _tell_overlaps(origin: Source, overlaps: np.ndarray, most: int = _kinds.NAME
 def _tell_faults(origin: Source, areas: core.Areas, of: np.ndarray, most: int = _kinds.NAMED) -> None:
     """Warn of overlaps and gaps."""
     wrong = faults(areas.coverage)
-    overlaps = np.unique(np.sort(of[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
-    overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
-    _tell_overlaps(origin, overlaps)
+    _tell_overlaps(origin, each_pair(of[wrong.overlaps]))
     if len(wrong.gaps):
         some = ", ".join(f"({x:.10g} {y:.10g})" for x, y in wrong.gaps[:most].tolist())
         _kinds.warn(

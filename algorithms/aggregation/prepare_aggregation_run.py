@@ -10,7 +10,7 @@ from qgis.core import (
 )
 
 from ...core.aggregation.areas import arrange_pieces, joined_rings, neighbours
-from ...core.aggregation.coverage import faults
+from ...core.aggregation.coverage import each_pair, faults
 from ...core.errors import Cancelled, Sentence
 from ...core.partition.features import pieces, weigh_by_length, without_vertex
 from ...core.partition.solve import finish, select
@@ -79,8 +79,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
         _write_pairs(tool, sinks, cut, *neighbours(found))
 
     wrong = faults(found.coverage)
-    overlaps = np.unique(np.sort(cut.area[wrong.overlaps], axis=1).reshape(-1, 2), axis=0)
-    overlaps = overlaps[overlaps[:, 0] != overlaps[:, 1]]
+    overlaps = each_pair(cut.area[wrong.overlaps])
     _report(feedback, cut.features, overlaps, wrong.gaps, cut.classless)
     report_short(feedback, cut.short)
     return {

@@ -15,6 +15,7 @@ from .coverage import (
     Coverage,
     centroids,
     cover,
+    each_pair,
     overlapping,
     shapes,
     shared,
@@ -247,9 +248,8 @@ def flaws(areas: Areas) -> tuple[np.ndarray, np.ndarray]:
     """
     polygons = shapes(areas.coverage, len(areas.owner))
     valid = shapely.is_valid(polygons)
-    overlaps = areas.owner[overlapping(areas.coverage, polygons, valid)].reshape(-1, 2)
-    overlaps = np.unique(np.sort(overlaps, axis=1), axis=0)
-    return np.unique(areas.owner[~valid]), overlaps[overlaps[:, 0] != overlaps[:, 1]]
+    overlaps = overlapping(areas.coverage, polygons, valid)
+    return np.unique(areas.owner[~valid]), each_pair(areas.owner[overlaps])
 
 
 def beside(areas: Areas, label: np.ndarray, wanted: np.ndarray) -> np.ndarray:

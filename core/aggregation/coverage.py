@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from ..metric import Metric
-from ..rings import Rings, groups, offsets_of, signed_areas, take
+from ..rings import Rings, groups, offsets_of, signed_areas, starts, take
 from ..rings import following as next_in_ring
 from ..rings import shapes as shapes_of_rings
 
@@ -22,6 +22,7 @@ __all__ = [
     "Faults",
     "centroids",
     "cover",
+    "each_pair",
     "faults",
     "joined",
     "overlapping",
@@ -209,7 +210,7 @@ def _twins(tail, head, count):
     key = 2 * (low * count + high) + (tail > head)  # those of both directions follow one another
     order = np.argsort(key, kind="stable")
     ordered = key[order]
-    first = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(key)])
+    first = starts(ordered)
     keys = ordered[first]
     pair = np.flatnonzero((keys[1:] == keys[:-1] + 1) & (keys[:-1] % 2 == 0))
     one, other = order[first[pair]], order[first[pair + 1]]
@@ -280,7 +281,7 @@ def _repeated(tail, head, polygon, twin, count):
     key, polygon = key[some], polygon[some]
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order][1:] == key[order][:-1])
-    return _each_pair(np.column_stack((polygon[order[same]], polygon[order[same + 1]])))
+    return each_pair(np.column_stack((polygon[order[same]], polygon[order[same + 1]])))
 
 
 def shared(coverage: Coverage, measure: Metric) -> tuple[np.ndarray, np.ndarray]:
@@ -541,7 +542,7 @@ def faults(coverage: Coverage) -> Faults:
         filled = np.unique(tree.query(inside, predicate="intersects")[0])
         empty = np.setdiff1d(np.arange(len(faces)), filled)
         gaps = shapely.get_coordinates(inside[empty])
-    return Faults(_each_pair(pairs), gaps)
+    return Faults(each_pair(pairs), gaps)
 
 
 def overlapping(coverage: Coverage, polygons: np.ndarray, valid: np.ndarray) -> np.ndarray:
@@ -570,7 +571,7 @@ def overlapping(coverage: Coverage, polygons: np.ndarray, valid: np.ndarray) -> 
     """
     edge, lines = _open_edges(coverage)
     if not len(edge):
-        return _each_pair(coverage.repeated)
+        return each_pair(coverage.repeated)
     owner, number = coverage.polygon[edge], np.flatnonzero(valid)
     # a polygon is asked for the points in it, and not the other way: GEOS prepares what asks, and one of a
     # million edges has a million points in its bounds
@@ -578,7 +579,7 @@ def overlapping(coverage: Coverage, polygons: np.ndarray, valid: np.ndarray) -> 
     middle = shapely.STRtree(shapely.points((ends[:, 0] + ends[:, 1]) / 2.0))
     around, which = middle.query(polygons[number], predicate="contains")
     one, other = shapely.STRtree(lines).query(lines, predicate="crosses")
-    return _each_pair(
+    return each_pair(
         np.concatenate(
             (
                 coverage.repeated,
@@ -596,9 +597,15 @@ def _open_edges(coverage):
     return lone, shapely.linestrings(ends)
 
 
-def _each_pair(pairs):
-    """Pairs of two, each once, the smaller number first."""
-    pairs = np.sort(pairs, axis=1)
+def each_pair(pairs: np.ndarray) -> np.ndarray:
+    """Return pairs of two, each once, the smaller number first.
+
+    Examples
+    --------
+    >>> each_pair(np.array([[2, 1], [1, 2], [3, 3]])).tolist()
+    [[1, 2]]
+    """
+    pairs = np.sort(pairs.reshape(-1, 2), axis=1)
     return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
 
 

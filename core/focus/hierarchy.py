@@ -12,6 +12,7 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
+from ..rings import starts
 from .graph import unique_pairs
 
 __all__ = ["Coarse", "coarsen", "reinsert"]
@@ -153,7 +154,7 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
     both = both[degree[both[:, 0]] <= DEGREE]
     u, v = both.T
     count = degree[u]
-    begin = np.flatnonzero(np.append(True, u[1:] != u[:-1])[: len(u)])
+    begin = starts(u)
     begin = np.repeat(begin, count[begin])
     # beside each way u-v, the other edges u-x
     several = np.flatnonzero(count > 1)
@@ -280,7 +281,7 @@ def reinsert(
     shift = shift.copy()
     for gone, into, rows in reversed(coarse.levels):
         check()
-        begin = np.flatnonzero(np.append(True, rows[1:, 0] != rows[:-1, 0]))
+        begin = starts(rows[:, 0])
         count = np.diff(np.append(begin, len(rows)))
         number = np.repeat(np.arange(len(gone)), count)
         v = into[number]

@@ -524,7 +524,8 @@ def opens(
     while len(query):
         steps += len(query)
         if steps > PLAIN * len(length):
-            leaps = leaps or _leaps(length, middle, beside, across, reach.max())
+            if leaps is None:
+                leaps = _leaps(length, middle, beside, across, reach.max())
             state = 2 * edge + (beside[edge, 0] != triangle)
             for to, far, high, low in reversed(leaps):
                 on = np.flatnonzero((to[state] >= 0) & (way + far[state] <= reach[query]))

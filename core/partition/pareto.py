@@ -20,7 +20,7 @@ from typing import Callable, Iterator
 
 import numpy as np
 
-from ..rings import offsets_of, ranges
+from ..rings import offsets_of, ranges, starts
 
 __all__ = [
     "CHUNK", "DENSE", "Front", "Join", "Table", "assemble", "dense_pairs", "first_points", "groups",
@@ -188,7 +188,7 @@ def _not_far_behind(weight, value):
     cell = ((weight - low) * (65535 / (high - low))).astype(np.uint16)
     order = np.argsort(cell, kind="stable")
     val, cell = value[order], cell[order]
-    first = np.flatnonzero(np.append(True, cell[1:] != cell[:-1]))
+    first = starts(cell)
     before = np.minimum.accumulate(np.append(np.inf, np.minimum.reduceat(val, first)[:-1]))
     return order[val < np.repeat(before, np.diff(np.append(first, len(val))))]
 
