@@ -3,7 +3,8 @@
 The rules are those of the site's own code (github.com/qgis/QGIS-Plugins-Website, in qgis-app/plugins:
 ``validator.py`` for the upload, ``security_scanner.py`` for the scan after it, where any finding of
 Bandit or detect-secrets blocks the version), and of its page on publishing. Where the site warns, this
-finds a fault. Prints what it checked; exits with 1 if there is a fault.
+finds a fault. One rule more is ours: what the plugin needs at run time, and no more, is in requirements.txt, which
+qpip installs from. Prints what it checked; exits with 1 if there is a fault.
 """
 
 import argparse
@@ -34,6 +35,17 @@ PROGRAMS = {
     ".jar", ".class", ".whl", ".egg", ".zip", ".gz", ".xz", ".bz2", ".7z", ".tar", ".deb", ".rpm",
 }  # fmt: skip
 PROGRAM_STARTS = (b"\x7fELF", b"MZ", b"\xfe\xed\xfa", b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"PK\3\4")
+# QGIS was compiled for its own numpy; the others test or build
+NO_REQUIREMENTS = {
+    "numpy",
+    "pip",
+    "setuptools",
+    "wheel",
+    "pytest",
+    "pytest-qgis",
+    "pytest-xdist",
+    "hypothesis",
+}
 # names and domains that RFC 2606 sets apart: no mail arrives there
 PLACEHOLDER = re.compile(r"(^|[@.])(example\.(com|net|org)|example|invalid|test|localhost)$")
 # what the site enables of flake8 (management/commands/data/flake8_rules.json)
@@ -71,7 +83,7 @@ def zip_faults(path):
             return [*found, f"everything must be in one folder; in the zip are {', '.join(tops)}"], {}
         folder = tops[0]
         found += folder_faults(folder)
-        for needed in ("__init__.py", "metadata.txt", "LICENSE"):
+        for needed in ("__init__.py", "metadata.txt", "LICENSE", "requirements.txt"):
             if f"{folder}/{needed}" not in files:
                 found.append(f"{folder}/{needed} is missing")
         metadata = {}
@@ -85,6 +97,9 @@ def zip_faults(path):
         init = f"{folder}/__init__.py"
         if init in files and b"def classFactory(" not in archive.read(init):
             found.append("__init__.py has no function classFactory")
+        requirements = f"{folder}/requirements.txt"
+        if requirements in files:
+            found += requirement_faults(archive.read(requirements).decode("utf-8"))
     return found, metadata
 
 
@@ -113,6 +128,13 @@ def folder_faults(folder):
     if "plugin" in folder.lower():
         found.append(f"the folder {folder!r} has the word plugin in it")
     return found
+
+
+def requirement_faults(text):
+    """Return which packages no user of the plugin should have to install."""
+    names = re.findall(r"^\s*([A-Za-z0-9][\w.-]*)", text, re.MULTILINE)
+    names = sorted({name.lower().replace("_", "-") for name in names} & NO_REQUIREMENTS)
+    return [f"requirements.txt asks for {name}, which the plugin may not install" for name in names]
 
 
 def read_metadata(data):

@@ -31,6 +31,7 @@ FILES = {
     "good/metadata.txt": METADATA,
     "good/LICENSE": "Do what you like.\n",
     "good/icon.svg": "<svg/>",
+    "good/requirements.txt": "# not numpy\nshapely >= 2.1; python_version >= '3.10'\nnumpy-stl\n",
 }
 
 
@@ -76,6 +77,9 @@ PLANTED = {
     "an old changelog": (with_metadata("changelog=Version 1.0.2", "changelog=Version 1.0.1"), "does not tell of version"),
     "a long about": (with_metadata("about=More of that.", "about=" + "More of that. " * 40), "more than 500"),
     "no license": (without("good/LICENSE"), "LICENSE is missing"),
+    "no requirements": (without("good/requirements.txt"), "requirements.txt is missing"),
+    "QGIS's own numpy": ({**FILES, "good/requirements.txt": "shapely\nNumPy>=2\n"}, "asks for numpy"),
+    "what only tests need": ({**FILES, "good/requirements.txt": "pytest_qgis[x]; python_version > '3'"}, "asks for pytest-qgis"),
     "no metadata": (without("good/metadata.txt"), "metadata.txt is missing"),
     "no init": (without("good/__init__.py"), "__init__.py is missing"),
     "no factory": ({**FILES, "good/__init__.py": ""}, "no function classFactory"),
@@ -157,6 +161,23 @@ def test_placeholders(check_plugin, key, value):
 def test_an_address_that_does_not_answer(check_plugin):
     silent = check_plugin.silent_urls({"homepage": "http://127.0.0.1:9/", "tracker": "nothing"})
     assert len(silent) == 1 and "homepage does not answer" in silent[0]
+
+
+@pytest.mark.parametrize("program, said", [
+    (None, "bandit does not start"),
+    ("kill -9 $$", "bandit was ended by signal 9"),
+    ("echo out of memory >&2; exit 3", "bandit failed with 3: out of memory"),
+])  # fmt: skip
+def test_a_scanner_that_dies_is_named(tmp_path, program, said):
+    """And the zip does not pass for want of findings."""
+    (tmp_path / "programs").mkdir()
+    if program is not None:
+        (tmp_path / "programs" / "bandit").write_text(f"#!/bin/sh\n{program}\n")
+        (tmp_path / "programs" / "bandit").chmod(0o755)
+    path = make(tmp_path / "good.zip", FILES)
+    command = [sys.executable, ROOT / "tools" / "check_plugin.py", path, "--programs", tmp_path / "programs"]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8")
+    assert done.returncode == 1 and said in done.stdout, done.stdout + done.stderr
 
 
 @pytest.mark.skipif(not (SCANNERS / "bandit").exists(), reason="./run check has not been run here")

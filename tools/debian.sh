@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# `./run` on Debian 13 (QGIS 3.40, Python 3.13): ./run test-trixie [pytest arguments], ./run trixie COMMAND ...
+# `./run` on another Debian: ./run test-trixie [pytest arguments], ./run trixie COMMAND ..., the same with sid
 #
-#   test_trixie.sh SNAPSHOT CHROOT USER_HOME COMMAND [ARGUMENTS]
+#   debian.sh SUITE SNAPSHOT CHROOT USER_HOME COMMAND [ARGUMENTS]
 #
 # `./run` calls it as root with a copy of the checkout. The first call makes the Debian by debootstrap in
 # CHROOT (from $DEBIAN_MIRROR, or the mirror of this machine), later ones reuse it. All mounts are in a
@@ -17,10 +17,10 @@ if [ -z "${ISTHMUS_NAMESPACE-}" ]; then
         die "root may not mount here (in a container? start it with --privileged), so that no Debian can run."
     ISTHMUS_NAMESPACE=1 exec unshare --mount --pid --fork --kill-child -- bash "${BASH_SOURCE[0]}" "$@"
 fi
-snapshot=$1 chroot=$2 user_home=$3
-shift 3
+suite=$1 snapshot=$2 chroot=$3 user_home=$4
+shift 4
 
-# --- a Debian 13 ------------------------------------------------------------------------------------
+# --- a Debian ---------------------------------------------------------------------------------------
 
 get_debootstrap() {
     command -v debootstrap >/dev/null && return
@@ -43,12 +43,12 @@ mirror() {
 
 make_chroot() {
     get_debootstrap
-    say "making a Debian 13 in $chroot: two minutes, once (log: $chroot.log); with QGIS it takes 3 GB of disk"
+    say "making a Debian ($suite) in $chroot: two minutes, once (log: $chroot.log); with QGIS it takes 3 GB of disk"
     rm -rf "$chroot" "$chroot.part"
-    local script=/usr/share/debootstrap/scripts/trixie
+    local script=/usr/share/debootstrap/scripts/$suite
     [ -e "$script" ] || script=/usr/share/debootstrap/scripts/sid # an older debootstrap
     debootstrap --variant=minbase --include=ca-certificates,git,python3 \
-        trixie "$chroot.part" "$(mirror)" "$script" </dev/null >"$chroot.log" 2>&1 &
+        "$suite" "$chroot.part" "$(mirror)" "$script" </dev/null >"$chroot.log" 2>&1 &
     local pid=$!
     while kill -0 "$pid" 2>/dev/null; do
         sleep 1
