@@ -63,6 +63,7 @@ class Pulse(threading.Thread):
             if now - self.said >= self.tick:
                 line = f"isthmus: {self.done} tests done, {now - self.began:.0f} s"
                 self.reporter.write_line("\n" * self.dots + line)
+                self.reporter.flush()  # also into a pipe, which keeps a page of text back
                 self.said, self.dots = now, False
 
 

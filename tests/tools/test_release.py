@@ -3,6 +3,7 @@
 import configparser
 import os
 import re
+import threading
 from pathlib import Path
 
 import pytest
@@ -132,18 +133,31 @@ watched "$1" QGIS broken || echo failed $?
 
 
 def test_long_tests_show_that_they_live(tmp_path):
-    """Those that end soon say nothing."""
+    """At once, also into a pipe: the test here ends only when that was read. Those that end soon say nothing."""
     import subprocess
     import sys
 
-    (tmp_path / "test_long.py").write_text("import time\n\ndef test(): time.sleep(1)\n")
+    (tmp_path / "test_long.py").write_text(
+        "import pathlib, time\n\ndef test():\n"
+        "    while not pathlib.Path(__file__).with_name('read').exists(): time.sleep(0.01)\n"
+    )
     plugins = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": os.pathsep.join([
         str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")]),
     ])}  # fmt: skip
     for tick, more in (("0.4", ["-p", "xdist", "-n", "1"]), ("60", [])):
-        done = subprocess.run(
+        run = subprocess.Popen(
             [sys.executable, "-m", "pytest", "-p", "conftest", *more, "-c", os.devnull, "--rootdir", tmp_path, tmp_path],
-            env={**os.environ, **plugins, "ISTHMUS_TICK": tick}, capture_output=True, encoding="utf-8",
+            env={**os.environ, **plugins, "ISTHMUS_TICK": tick, "PYTHONUNBUFFERED": ""}, stdout=subprocess.PIPE, encoding="utf-8",
         )  # fmt: skip
-        assert "1 passed" in done.stdout, done.stdout + done.stderr
-        assert ("isthmus: 0 tests done, " in done.stdout) == (tick == "0.4"), done.stdout
+        killed = threading.Timer(60, run.kill)
+        killed.start()
+        said = []
+        for line in run.stdout:
+            said.append(line)
+            if "isthmus: 0 tests done, " in line:
+                (tmp_path / "read").touch()
+        run.wait()
+        killed.cancel()
+        said = "".join(said)
+        assert "1 passed" in said, said
+        assert ("isthmus: 0 tests done, " in said) == (tick == "0.4"), said
