@@ -317,6 +317,52 @@ def test_carrier(focus):
     assert np.array_equal(carrier(far), far, equal_nan=True)
 
 
+def by_brute_force(result, xy):
+    """Where points go: the triangle that holds each best, one after the other; beyond the frame, the nearest."""
+    corner = result.points[result.triangles]
+    shift = (result.moved - result.points)[result.triangles]
+    near = np.clip(xy, result.points.min(axis=0), result.points.max(axis=0))
+    found = np.array(xy)
+    side = np.stack((corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=2)
+    for k, point in enumerate(near):
+        share = np.linalg.solve(side, (point - corner[:, 0])[:, :, None])[:, :, 0]
+        share = np.column_stack((1.0 - share.sum(axis=1), share))
+        best = share.min(axis=1).argmax()
+        assert share[best].min() > -1e-9
+        found[k] += share[best] @ shift[best]
+    return found
+
+
+@pytest.mark.parametrize("focus", [shapely.box(4, -3, 12, 3), shapely.box(1, 1, 3, 3)])
+def test_lines_are_carried_all_along(focus):
+    """Not at their points alone; to both sides alike, and with no points where nothing bends."""
+    rows, starts, polygons = rings_of(circle(60, 10.0))
+    result = enlarge(rows, starts, polygons, focus, 1.5, growth=0.3)
+    carrier = Carrier(result.points, result.moved, result.triangles)
+    rng = np.random.default_rng(1)
+    lines = rng.uniform(-14.0, 14.0, (40, 2))
+    lines[5] = lines[6]
+    lines[20] = np.nan
+    lines = np.concatenate((lines, lines[::-1], rows[:9]))
+    moved, bends = carrier.lines(lines, [0, 40, 40, 80, 89])
+    there, back = (bends[(bends[:, 0] >= lo) & (bends[:, 0] < lo + 39)] for lo in (0, 40))
+    assert np.array_equal(there[:, 1:3], back[::-1, 1:3]) and np.allclose(there[:, 3] + back[::-1, 3], 1.0)
+    assert len(bends) == 2 * len(there) > 2 * 38 and not np.isin(bends[:, 0], (5, 19, 20, 39, 79)).any()
+    share = np.linspace(0.0, 1.0, 41)
+    off = 0.0
+    for row in np.setdiff1d(np.arange(39), (19, 20)):
+        own = bends[bends[:, 0] == row]
+        at = np.concatenate(([0.0], own[:, 3], [1.0]))
+        assert (np.diff(at) > 0.0).all()
+        way = np.concatenate((moved[row : row + 1], own[:, 1:3], moved[row + 1 : row + 2]))
+        carried = np.column_stack([np.interp(share, at, way[:, axis]) for axis in (0, 1)])
+        expected = by_brute_force(result, lines[row] + share[:, None] * (lines[row + 1] - lines[row]))
+        off = max(off, np.abs(carried - expected).max())
+    assert off < 1e-9 * 20.0
+    still = enlarge(rows, starts, polygons, focus, 1.0)
+    assert len(Carrier(still.points, still.moved, still.triangles).lines(lines, [0, len(lines)])[1]) == 0
+
+
 # ---- found by fuzzing
 
 
