@@ -185,6 +185,12 @@ def _tell(feedback, result):
         feedback.pushWarning(tr("... and for {} more.").format(len(result.skipped) - 20))
     width, height = (100.0 * (result.growth - 1.0)).tolist()
     feedback.pushInfo(tr("The map becomes {:.0f} % wider and {:.0f} % higher.").format(width, height))
+    if result.dented:
+        feedback.pushInfo(
+            tr("{} squares are no longer convex, as there was no room. Nothing crosses there.").format(
+                result.dented
+            )
+        )
     if len(result.splits):
         feedback.pushInfo(
             tr("{} points were put into lines where others meet or cross them.").format(len(result.splits))
@@ -344,7 +350,7 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
 
 
 def _batches(layer, transform, feedback):
-    """The features of a layer, many at a time, and the points of each; None of what has no place in the map."""
+    """Features of a layer, many at a time, and their points; None of what has no place in the map."""
     features, runs, size = [], [], 0
     for feature in layer.getFeatures():
         if feedback.isCanceled():

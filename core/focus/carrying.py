@@ -92,8 +92,8 @@ class Carrier:
 
         Notes
         -----
-        All that is left out bends a line by less than `STRAIGHT`. What lies between the same two points bends
-        alike in both directions, so lines that were one stay one. O((t + k + x) log t), x being the
+        All that is left out bends a line by less than `STRAIGHT`. What lies between the same two points
+        bends alike in both directions, so lines that were one stay one. O((t + k + x) log t), x being the
         number of times that lines meet edges of triangles.
 
         Examples
@@ -168,7 +168,7 @@ class Carrier:
         return line[kept], t[kept], shift[kept]
 
     def _creases(self, a, b):
-        """Where the map may bend: ends of edges, and of rays from the sides of the frame, and their shifts."""
+        """Where the map may bend: the ends of edges, and of rays from its sides, and how they move."""
         p, q = self._edges.T
         low, high = np.minimum(a, b).min(axis=0), np.maximum(a, b).max(axis=0)
         near = np.minimum(self._points[p], self._points[q]) <= high

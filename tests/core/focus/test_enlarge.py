@@ -6,6 +6,7 @@ import shapely
 
 pytest.importorskip("scipy")
 
+import isthmus.core.focus.enlarge as road
 from isthmus.core.errors import Cancelled, Unsolvable
 from isthmus.core.focus.carrying import Carrier
 from isthmus.core.focus.enlarge import enlarge
@@ -195,11 +196,9 @@ def test_half_of_a_map_and_five_times():
         )
 
 
-@pytest.mark.parametrize("seed, n, most", [(0, 18, 3000), (1, 18, 3000), (2, 18, 3000), (2, 30, 100)])
-def test_a_raster_holds_for_other_diagonals(seed, n, most):
-    """Any triangulation of its squares, solved for or put back: the checker's is another one."""
-    rng = np.random.default_rng(seed)
-    kind = rng.integers(0, 3, (n, n))
+def raster(seed, n):
+    """Rows, starts and polygons of three classes of squares; in the middle of them, a focus."""
+    kind = np.random.default_rng(seed).integers(0, 3, (n, n))
     squares = np.array([[box(x, y, x + 1, y + 1) for x in range(n)] for y in range(n)])
     shapes = shapely.get_parts([shapely.union_all(shapely.polygons(squares[kind == k])) for k in range(3)])
     features = [[shapely.get_coordinates(r) for r in shapely.get_rings(shape)] for shape in shapes]
@@ -207,10 +206,31 @@ def test_a_raster_holds_for_other_diagonals(seed, n, most):
     starts = np.append(0, np.cumsum([len(ring) for ring in rings]))
     number = iter(range(len(rings)))
     polygons = [[next(number) for _ in feature] for feature in features]
-    focus = shapely.box(0.3 * n, 0.3 * n, 0.7 * n, 0.7 * n)
-    result = enlarge(np.concatenate(rings), starts, polygons, focus, 2.0, growth=0.3, most=most)
-    lines = with_splits(np.concatenate(rings), starts, result)
+    return np.concatenate(rings), starts, polygons, shapely.box(0.3 * n, 0.3 * n, 0.7 * n, 0.7 * n)
+
+
+@pytest.mark.parametrize("seed, n, most", [(0, 18, 3000), (1, 18, 3000), (2, 18, 3000), (2, 30, 100)])
+def test_a_raster_holds_for_other_diagonals(seed, n, most):
+    """Any triangulation of its squares, solved for or put back: the checker's is another one."""
+    rows, starts, polygons, focus = raster(seed, n)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=most)
+    lines = with_splits(rows, starts, result)
     assert verify(*lines, [[one] for one in polygons]).good and faults(result, *lines) == []
+    assert result.dented == 0
+
+
+def test_dents_that_cannot_be_put_right_are_solved_for_or_told(monkeypatch):
+    """Nothing else is wrong with such a map."""
+    monkeypatch.setattr(road, "stay_convex", lambda xy, shift, *more: shift)
+    rows, starts, polygons, focus = raster(2, 30)
+    again = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=100)
+    monkeypatch.setattr(road, "ATTEMPTS", 1)
+    once = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=100)
+    lines = with_splits(rows, starts, once)
+    assert once.dented > 0 and verify(*lines, [[one] for one in polygons])[1:] == (0, 0, 0, True)
+    assert faults(once, *lines) == []
+    lines = with_splits(rows, starts, again)
+    assert again.dented == 0 and verify(*lines, [[one] for one in polygons]).good
 
 
 def test_without_a_frame_the_map_grows():
