@@ -258,12 +258,14 @@ def _given(lines: Source, rows: np.ndarray, match: Any) -> np.ndarray:
 
 def _carried(layer: Any, origin: Source, carrier: Any) -> Any:
     """A further layer, moved as the map around it."""
+    from .core.focus.carrying import carried
+
     own = _of_crs(layer, origin, "along")
     made = own.geometries.copy()
-    for k, geometry in enumerate(made):
-        one = _runs(geometry)
-        if one.counts and np.isfinite(one.xy).all():
-            made[k] = shapely.from_wkb(one.moved(carrier(one.xy)))
+    runs = [_runs(geometry) for geometry in made]
+    placed = [k for k, one in enumerate(runs) if one.counts and np.isfinite(one.xy).all()]
+    for k, data in zip(placed, carried(carrier, [runs[k] for k in placed])):
+        made[k] = shapely.from_wkb(data)
     return _same(own, made)
 
 
