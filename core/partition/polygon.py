@@ -22,6 +22,8 @@ from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, s
 
 __all__ = ["Polygons", "boundary_components", "from_rings", "is_valid", "one", "select", "without_rings"]
 
+TOO_FINE = Sentence("it is too fine to be checked")
+
 
 class _Arrays(NamedTuple):
     xy: np.ndarray
@@ -147,7 +149,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
         bad[row_polygon[~finite]] = True
         verdict[bad] = Sentence("coordinates are not finite (NaN or infinity)")
         xy[~finite] = 0.0
-    xy, unit = _scaled(xy, row_polygon, count)
+    xy, unit, lost = _scaled(xy, row_polygon, count)
 
     # corners: rows that differ from the one before on their ring
     is_start = np.ones(len(xy), dtype=bool)
@@ -161,6 +163,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     thin = np.zeros(count, dtype=bool)
     thin[ring_polygon[corner_count < 3]] = True
     verdict[thin & ~empty & ~bad] = Sentence("a ring has fewer than three distinct vertices")
+    verdict[lost] = Sentence("invalid geometry: {}", TOO_FINE)
     good = verdict == ""
     kept = good[ring_polygon]  # rings
     starts = np.flatnonzero(is_start & good[row_polygon])
@@ -347,8 +350,8 @@ def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, n
 
 
 def _scaled(xy, row_polygon, count):
-    """Bring extreme magnitudes to about 1, by a power of two: exact."""
-    unit = np.ones(count)
+    """Bring extreme magnitudes to about 1, by a power of two: exact, but where digits would be lost."""
+    unit, lost = np.ones(count), np.zeros(count, dtype=bool)
     largest = np.zeros(count)
     if len(xy):
         first = np.flatnonzero(np.diff(row_polygon, prepend=-1))
@@ -359,8 +362,10 @@ def _scaled(xy, row_polygon, count):
         exponent = int(np.frexp(largest[p])[1])
         unit[p] = np.ldexp(1.0, exponent)
         own = row_polygon == p
-        xy[own] = np.ldexp(xy[own], -exponent)
-    return xy, unit
+        scaled = np.ldexp(xy[own], -exponent)
+        lost[p] = (np.ldexp(scaled, exponent) != xy[own]).any()
+        xy[own] = scaled
+    return xy, unit, lost
 
 
 def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon, good):
@@ -451,7 +456,7 @@ def _reason(shape, unit):
     try:
         reason = shapely.is_valid_reason(shape)
     except shapely.errors.GEOSException:
-        return Sentence("it is too fine to be checked")
+        return TOO_FINE
     if unit == 1.0:
         return reason
     return reason.split("[")[0].strip()

@@ -1056,7 +1056,7 @@ def _witnesses(prepared, carved, selected, check):
 def _largest_dilation(prepared, selected, bound, check):
     """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
     largest = np.ones(len(prepared.polygons.unit))
-    exact = np.flatnonzero(prepared.bounded & ~prepared.with_holes[prepared.owner])
+    exact = np.flatnonzero(~prepared.with_holes[prepared.owner])  # what is not bounded is in T
     if len(exact):
         owner = prepared.owner[exact]
         first = np.flatnonzero(np.diff(owner, prepend=-1))

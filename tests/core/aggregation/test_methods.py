@@ -1,13 +1,15 @@
 """The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
 
+from itertools import combinations
 from time import sleep
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from isthmus.core.aggregation import methods
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
-from isthmus.core.aggregation.exact import exact, problems_of, require_highs
+from isthmus.core.aggregation.exact import _Part, exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
 from isthmus.core.aggregation.instance import (
     Solution,
@@ -84,6 +86,34 @@ def test_exact_is_the_cheapest_of_all_partitions(seed, by_class):
         assert costs(problem, result.found).total <= best * (1 + 1e-9)
         if not decompose:
             assert costs(problem, result.found).total == pytest.approx(best, rel=1e-6)
+
+
+@needs_highs
+@pytest.mark.parametrize("decompose", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_what_exact_begins_with_is_kept_where_nothing_cheaper_is_proven(seed, decompose):
+    problem = random_map(seed, n=30)
+    begin = annealing(problem, iterations=4000)
+    result = exact(problem, 0.0, decompose, begin)
+    check(problem, result.found)
+    assert result.proven or costs(problem, result.found).total <= costs(problem, begin).total
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_pairs_may_save_where_only_cores_have_areas(seed):
+    """Against all sets of cores; those behind the free ones are there anyway."""
+    rng = np.random.default_rng(seed)
+    free, fixed, most = (int(k) for k in rng.integers((1, 0, 0), (6, 3, 4)))
+    own = np.append(np.sort(rng.permutation(7)[:free]), np.arange(7, 7 + fixed))
+    reduced = rng.integers(-5, 6, (7 + fixed, len(own))).astype(float)
+    part = SimpleNamespace(own=own, free=7, _most=lambda: most)
+    saved = [
+        reduced[u, j] + sum(min(cost, 0.0) for v, cost in enumerate(reduced[:, j]) if v != u)
+        for j, u in enumerate(own)
+    ]
+    sets = (s for k in range(most + 1) for s in combinations(saved[:free], k))
+    expected = min(sum(s) for s in sets) + sum(min(0.0, s) for s in saved[free:])
+    assert _Part._by_cores(part, reduced) == expected
 
 
 @pytest.mark.parametrize("by_class", [False, True])

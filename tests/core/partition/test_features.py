@@ -66,3 +66,21 @@ def _together(*all_rings):
     return Rings(
         np.concatenate(coords), offsets_of(np.concatenate(sizes)), offsets_of([len(one) for one in sizes])
     )
+
+
+def test_a_budget_whose_best_detour_is_not_proven_is_told_for_its_feature(monkeypatch):
+    """Where the search for MinLength ends by its time, say."""
+    rings = Rings(
+        np.tile(np.array(HOURGLASS, dtype=float), (2, 1)), np.array([0, 6, 12]), np.array([0, 1, 2])
+    )
+    chunk = stage.Chunk(["one", "other"], rings, np.array([0, 1]), [None, None], metric.planar())
+    no = np.zeros(2)
+    problem = stage.prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    together = stage.together
+    monkeypatch.setattr(
+        stage,
+        "together",
+        lambda *given: [(answer, k == 0) for k, (answer, _) in enumerate(together(*given))],
+    )
+    selection, unproven = stage.within_budget(problem, [1.0, 1.0])
+    assert unproven == {1: pytest.approx(selection.dilation[1])}
