@@ -346,7 +346,7 @@ class _Run:
         if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         written = self._regions(found, out, shapes, wkb_type, sinks)
-        self._report_small(out.small, found, out.size, out.faults)
+        self._report_small(out, found)
         self._assignment(found, out, merged_shapes, wkb_type, sinks)
         return {
             tool.REGION_COUNT: written,
@@ -450,8 +450,11 @@ class _Run:
             return layer.union([self.areas.features[k].geometry() for k in group])
         return layer.joined_geometry(self.areas, polygons, extra, multi)
 
-    def _report_small(self, small, found, size, faults, most=20):
-        if len(small) == len(found.core) > 0:
+    def _report_small(self, out, found, most=20):
+        small, size, faults = out.small, out.size, out.faults
+        # an area that is left as it is has a region of its own, which says nothing about the threshold
+        taking = sum(core not in self.reason for core in found.core.tolist())
+        if len(small) == taking > 0:
             self.feedback.pushWarning(
                 tr(
                     "No region reaches its minimum size: is the threshold larger than the map? Those that "
@@ -474,8 +477,10 @@ class _Run:
         self._tell_beside(np.isin(found.region, [r for r in small if faults[r] == "too small"]), found)
 
     def _largest(self):
-        """The size of the areas that hang together, the most."""
-        return np.bincount(components(self.problem), weights=self.problem.size).max(initial=0.0)
+        """The size of the areas that hang together, the most; not of those that are left as they are."""
+        size = self.problem.size.copy()
+        size[list(self.reason)] = 0.0
+        return np.bincount(components(self.problem), weights=size).max(initial=0.0)
 
     def _tell_beside(self, wanted, found):
         """Say where areas are too small because a gap or an overlap keeps them from their neighbours."""

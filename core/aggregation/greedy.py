@@ -115,8 +115,8 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
         steps += 1
         if check is not None and steps % 256 == 0:
             check(min(1.0, steps / whole))
-        s = grown.cheapest(r)
-        grown.join(r, s)
+        s, share = grown.cheapest(r)
+        grown.join(r, s, share)
         alive[r] = False
         if size[s] < least[core[s]]:
             heapq.heappush(heap, (size[s], s))
@@ -141,7 +141,7 @@ class _Growing:
         self.area = problem.size.tolist()
         self.to = (problem.change * problem.distance).T.tolist()  # the price of a class, by the other one
         self.least = enough_from(problem.theta)[problem.cls].tolist()
-        self.excludes = bool(np.isinf(problem.theta).any())
+        self.excludes = bool(np.isinf(problem.theta[problem.cls[problem.neighbour]]).any())
         self.core = list(range(n))
         self.members = [[v] for v in range(n)]
         self.cost = each_share(problem, np.arange(n), np.arange(n)).tolist()
@@ -164,25 +164,32 @@ class _Growing:
         return total
 
     def cheapest(self, r):
-        """The neighbouring region that r joins at least cost."""
-        problem, around, areas = self.problem, self.beside[r], self.members[r]
-        saved = around
-        if problem.by_class:  # joining s removes the boundary to all neighbours of its class
+        """The neighbouring region that r joins at least cost, and what the areas of r cost there."""
+        around, areas, core = self.beside[r], self.members[r], self.core
+        if len(around) == 1:  # as an area in another one: nearly half of them
+            (s,) = around
+            return s, self.shares(areas, core[s])
+        boundary, saved = self.problem.boundary, around
+        if self.problem.by_class:  # joining s removes the boundary to all neighbours of its class
             lengths = {}
             for s, length in around.items():
-                kept = self.cls[self.core[s]]
+                kept = self.cls[core[s]]
                 lengths[kept] = lengths.get(kept, 0.0) + length
-            saved = {s: lengths[self.cls[self.core[s]]] for s in around}
-        costs = [(self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around]
+            saved = {s: lengths[self.cls[core[s]]] for s in around}
+        there = {s: self.shares(areas, core[s]) for s in around}
+        costs = [(share - boundary * saved[s], s) for s, share in there.items()]
         if self.excludes:  # an excluded class is the last resort: its own turn to join comes later
-            excluded = [self.least[self.core[s]] == math.inf for s in around]
+            excluded = [self.least[core[s]] == math.inf for s in around]
             more = sum(abs(cost) for cost, _ in costs)
             costs = [(cost + more * last, s) for (cost, s), last in zip(costs, excluded)]
-        return min(costs)[1]
+        s = min(costs)[1]
+        return s, there[s]
 
-    def join(self, r, s):
-        """Region r becomes a part of s; the core is the cheaper of both, if that is large enough."""
-        self._choose_core(r, s)
+    def join(self, r, s, share):
+        """Region r becomes a part of s, where it costs a share; the core is the cheaper of both, if that
+        is large enough.
+        """
+        self._choose_core(r, s, share)
         if len(self.members[r]) > len(self.members[s]):
             self.members[r], self.members[s] = self.members[s], self.members[r]
         self.members[s] += self.members[r]
@@ -204,11 +211,11 @@ class _Growing:
         least = self.least[core]
         return 0 if size >= least else 1 if least < math.inf else 2
 
-    def _choose_core(self, r, s):
+    def _choose_core(self, r, s, share):
         total = self.size[r] + self.size[s]
         u, v = self.core[r], self.core[s]
         ranks = [self._rank(total, u), self._rank(total, v)]
-        stays = self.cost[s] + self.shares(self.members[r], v)
+        stays = self.cost[s] + share
         if ranks[0] > ranks[1]:
             self.cost[s] = stays
             return
