@@ -254,7 +254,9 @@ def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]
     vertex, _ = take(polygons.vertex_offsets, which)
     number = np.full(len(polygons.xy), -1)
     number[vertex] = np.arange(len(vertex))
-    row_index, row_start = take(polygons.row_start, corner)
+    row_index = row_start = polygons.row_start
+    if len(row_start):  # not of polygons `without_rings`
+        row_index, row_start = take(polygons.row_start, corner)
     return Polygons(
         xy=polygons.xy[vertex],
         unit=polygons.unit[which],

@@ -32,7 +32,13 @@ def test_the_smallest_part_is_a_share_of_the_whole_feature_without_lakes(share, 
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"natural": True, "smallest": 0.01}, {"smallest": 1.0, "min_hole": 3.0, "min_length": 0.5}],
+    [
+        {},
+        {"natural": True, "smallest": 0.01},
+        {"smallest": 1.0, "min_hole": 3.0, "min_length": 0.5},
+        {"smallest": 1.0, "min_hole": 1e10},
+        {"natural": True, "smallest": 0.01, "min_hole": 1e10},
+    ],
 )
 def test_a_polygon_that_cannot_be_triangulated_leaves_the_others_as_they_are(options, monkeypatch):
     """The second of three: the first and the third come out as if they had been alone."""
@@ -47,6 +53,7 @@ def test_a_polygon_that_cannot_be_triangulated_leaves_the_others_as_they_are(opt
         return triangles, verdict
 
     two = solve.prepare(_together(tours[0], tours[2]), **options)
+    assert two.wanted[two.component].all() == (options.get("min_hole", 0.0) < 1e10)  # no hole is left out
     monkeypatch.setattr(candidates, "triangulate", failing)
     three = solve.prepare(_together(*tours), **options)
     assert three.verdict.tolist() == ["", "no triangles", ""]
