@@ -4,6 +4,7 @@ In an environment with Java: ``pip install '.[pythoncdt]' pyspark pandas pyarrow
 ``python tests/benchmarks/spark.py [POLYGONS]``.
 """
 
+import os
 import sys
 
 import numpy as np
@@ -35,6 +36,7 @@ def main(count=100_000):
             "wkb": shapely.to_wkb(shapely.polygons(ROOMS * random.uniform(0.5, 2.0, (count, 1, 2)) + place)),
         }
     )
+    os.environ.setdefault("PYSPARK_PYTHON", sys.executable)  # not the first python3 that a worker finds
     session = SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false").getOrCreate()
     dealt = session.createDataFrame(table).repartition(8).mapInPandas(parts_of, "id long, wkb binary")
     found = [(row.id, bytes(row.wkb)) for row in dealt.collect()]

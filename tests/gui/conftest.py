@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("qgis.gui", reason="these tests need QGIS")
 
-from qgis.core import QgsProject  # noqa: E402
-from qgis.gui import QgsMapCanvas, QgsMessageBar  # noqa: E402
+from qgis.core import QgsLayerTreeModel, QgsProject  # noqa: E402
+from qgis.gui import QgsLayerTreeView, QgsMapCanvas, QgsMessageBar  # noqa: E402
 from qgis.PyQt.QtCore import QEventLoop, QTimer  # noqa: E402
 from qgis.PyQt.QtWidgets import QMainWindow  # noqa: E402
 
@@ -47,8 +47,14 @@ class Iface:
 
 
 @pytest.fixture
-def iface(provider):
+def iface(provider, monkeypatch):
+    import qgis.utils
+
     QgsProject.instance().clear()
+    # Processing asks for QGIS's own list of layers, and since 3.44 takes no other object for it
+    view = QgsLayerTreeView()
+    view.setModel(QgsLayerTreeModel(QgsProject.instance().layerTreeRoot()))
+    monkeypatch.setattr(qgis.utils.iface, "layerTreeView", lambda: view, raising=False)
     yield Iface()
     QgsProject.instance().clear()
 

@@ -237,8 +237,9 @@ from isthmus.algorithms.dependencies import dependency_problem
 import numpy
 before = dependency_problem()
 names = packages.missing()
-if names:
-    assert before, "nothing was missing"
+if not before:
+    print("HAD all that is needed")
+elif names:
     packages.install(names, numpy.__version__, print)
 import shapely
 assert not dependency_problem(), dependency_problem()
@@ -251,10 +252,6 @@ print("SHAPELY", shapely.__version__, shapely.__file__)
 @pytest.mark.skipif(not QGIS_PROCESS, reason="no qgis_process on this machine")
 def test_a_clean_profile_gets_its_packages_and_runs(tmp_path, online):
     """As for a user without any: from the registry, by a Python that sees the distribution's packages only."""
-    import shapely
-
-    if "dist-packages" in shapely.__file__:
-        pytest.skip("this distribution has the packages itself")
     (tmp_path / "plugins").mkdir()
     (tmp_path / "plugins" / "isthmus").symlink_to(ROOT)
     environment = {
@@ -276,6 +273,8 @@ def test_a_clean_profile_gets_its_packages_and_runs(tmp_path, online):
         return {line.split()[0]: line.split()[1:] for line in text.splitlines() if line[:1].isupper()}
 
     first = said(call("/usr/bin/python3", str(script), str(tmp_path / "plugins")))
+    if "HAD" in first:
+        pytest.skip("this distribution has the packages itself")
     assert {"shapely", "pythoncdt"} <= set(first["MISSING"]) and "numpy" not in first["MISSING"]
     assert first["SHAPELY"][1].startswith(str(tmp_path / "profile"))
     assert "profile" not in first["NUMPY"][1]
