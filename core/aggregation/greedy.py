@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from math import sqrt
+from math import hypot, sqrt
 from typing import Callable
 
 import numpy as np
@@ -25,6 +25,7 @@ from .instance import (
 __all__ = ["adjacency", "best_split", "greedy", "helpless", "reach_count"]
 
 FEW = 24  # areas from which arrays are quicker than a loop
+NEARLY = 1.0 + 1e-9
 
 
 def helpless(problem: Instance) -> np.ndarray:
@@ -105,11 +106,15 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
     grown = _Growing(problem)
     size, least, core = grown.size, grown.least, grown.core
     alive = (~lost).tolist()
-    heap = [(size[v], v) for v in range(n) if alive[v] and size[v] < least[v]]
-    heapq.heapify(heap)
-    whole, steps = len(heap) or 1, 0
-    while heap:
-        weight, r = heapq.heappop(heap)
+    # single areas wait in a sorted list, and only regions that grew in a heap: it stays small
+    single = sorted([(size[v], v) for v in range(n) if alive[v] and size[v] < least[v]], reverse=True)
+    heap: list[tuple[float, int]] = []
+    whole, steps = len(single) or 1, 0
+    while single or heap:
+        if not heap or (single and single[-1] < heap[0]):
+            weight, r = single.pop()
+        else:
+            weight, r = heapq.heappop(heap)
         if not alive[r] or weight != size[r] or weight >= least[core[r]] or not grown.beside[r]:
             continue
         steps += 1
@@ -130,7 +135,8 @@ class _Growing:
     """Regions that only grow, in plain lists: most are so small that arrays would cost more.
 
     ``cost`` is what the areas of a region cost under its core, ``moment`` the sum of their size times
-    place, ``by_class`` their size by class, ``beside`` the boundary to each neighbouring region.
+    place, ``width`` that of their size times the root of their spread, ``by_class`` their size by class,
+    ``beside`` the boundary to each neighbouring region.
     """
 
     def __init__(self, problem):
@@ -146,6 +152,7 @@ class _Growing:
         self.members = [[v] for v in range(n)]
         self.cost = each_share(problem, np.arange(n), np.arange(n)).tolist()
         self.moment = (problem.size * problem.place).tolist()
+        self.width = (problem.size * np.sqrt(problem.spread)).tolist()
         self.by_class = [{c: w} for c, w in zip(self.cls, self.size)]
         start = problem.start.tolist()
         neighbour, length = problem.neighbour.tolist(), problem.length.tolist()
@@ -190,20 +197,22 @@ class _Growing:
         is large enough.
         """
         self._choose_core(r, s, share)
-        if len(self.members[r]) > len(self.members[s]):
-            self.members[r], self.members[s] = self.members[s], self.members[r]
-        self.members[s] += self.members[r]
-        self.members[r] = []
+        members, by_class, beside = self.members, self.by_class[s], self.beside
+        if len(members[r]) > len(members[s]):
+            members[r], members[s] = members[s], members[r]
+        members[s] += members[r]
+        members[r] = []
         self.size[s] += self.size[r]
         self.moment[s] += self.moment[r]
+        self.width[s] += self.width[r]
         for kept, size in self.by_class[r].items():
-            self.by_class[s][kept] = self.by_class[s].get(kept, 0.0) + size
-        beside = self.beside
-        del beside[s][r]
-        for t, shared in beside[r].items():
-            if t != s:
-                del beside[t][r]
-                beside[t][s] = beside[s][t] = beside[s].get(t, 0.0) + shared
+            by_class[kept] = by_class.get(kept, 0.0) + size
+        around, others = beside[s], beside[r]
+        del around[r], others[s]
+        for t, shared in others.items():
+            its = beside[t]
+            del its[r]
+            its[s] = around[t] = around.get(t, 0.0) + shared
         beside[r] = {}
 
     def _rank(self, size, core):
@@ -220,11 +229,14 @@ class _Growing:
             self.cost[s] = stays
             return
         if ranks[0] == ranks[1]:
-            # no areas are nearer to a place than their centroid
-            price = self.to[self.cls[u]]
-            least = self.cost[r] + self.problem.centre * abs(self.moment[s] - self.size[s] * self.place[u])
-            least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
-            if least > stays:
+            # no areas are nearer to a place than all of them would be in their centroid, each as wide as
+            # it is; what is as near as rounding must be measured
+            away = abs(self.moment[s] - self.size[s] * self.place[u])
+            least = self.cost[r] + self.problem.centre * hypot(away, self.width[s])
+            if least <= NEARLY * stays:
+                price = self.to[self.cls[u]]
+                least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
+            if least > NEARLY * stays:
                 self.cost[s] = stays
                 return
         goes = self.cost[r] + self.shares(self.members[s], u)

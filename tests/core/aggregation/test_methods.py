@@ -367,6 +367,19 @@ def test_greedy_joins_what_costs_least_by_hand():
 
 
 @needs_highs
+@pytest.mark.parametrize("by_class", [False, True])
+def test_greedy_passes_over_no_core_that_is_cheaper(by_class, monkeypatch):
+    """It compares cores only where a bound on the cost of the other one does not tell."""
+    maps = [random_map(seed, n=40, by_class=by_class, centre=2.0 / (1 + seed % 4)) for seed in range(40)]
+    maps = [problem._replace(spread=30.0 * problem.spread) for problem in maps]  # as wide as they are far
+    quick = [greedy(problem) for problem in maps]
+    monkeypatch.setattr("isthmus.core.aggregation.greedy.NEARLY", np.inf)
+    for problem, found in zip(maps, quick):
+        other = greedy(problem)
+        assert found.region.tolist() == other.region.tolist()
+        assert found.core.tolist() == other.core.tolist()
+
+
 def test_exact_of_forty_areas_by_columns_and_cuts():
     """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
     problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))
