@@ -73,14 +73,14 @@ def polygons(
     77
     """
     place, closed_offsets = closed(offsets)
-    data = coords[rows[place]]
+    data = coords.take(rows[place], axis=0)
     ordinates = coords.shape[1]
     at = (8 * ordinates * closed_offsets).tolist()
     counts = np.diff(closed_offsets).astype("<u4").tobytes()
-    raw = data.tobytes()
+    raw = memoryview(data).cast("B") if len(data) else b""
     bounds = ring_offsets.tolist()
     for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
-        chunks = [header(6 + more, 1)] if multi else []
+        chunks: list[bytes | memoryview] = [header(6 + more, 1)] if multi else []
         chunks.append(header(3 + more, hi - lo))
         narrower = width(more) != ordinates
         for ring in range(lo, hi):

@@ -161,15 +161,18 @@ class Sinks:
 
         ``origin`` says in a few words what the feature is a result of.
         """
-        sink, feature = self._sinks[name], QgsFeature(self.fields[name])
+        # only a layer that was there before asks for fields by name. Never one feature again: where all
+        # values are the same but for some 1e-12, setAttributes leaves the old ones
+        feature = QgsFeature(self.fields[name]) if name in self._held else QgsFeature()
         if geometry is not None:
             feature.setGeometry(geometry)
-        # Qt takes no subclass of str for a text
-        feature.setAttributes([str(value) if isinstance(value, Sentence) else value for value in values])
+        if Sentence in map(type, values):  # Qt takes no subclass of str for a text
+            values = [str(value) if isinstance(value, Sentence) else value for value in values]
+        feature.setAttributes(values)
         if name in self._held:
             self._held[name].append(feature)
-        elif not sink.addFeature(feature, _FAST):
-            raise QgsProcessingException(_not_written(sink, origin))
+        elif not self._sinks[name].addFeature(feature, _FAST):
+            raise QgsProcessingException(_not_written(self._sinks[name], origin))
         self._written[name] += 1
 
     def write_text(self, path, text):

@@ -138,9 +138,10 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     size = np.diff(offsets)
     ring_polygon = groups(polygon_offsets)
     row_polygon = spread(ring_polygon, offsets)
-    xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
+    xy = np.add(rings.coords[:, :2], 0.0, dtype=float)  # + 0.0: there is only one zero
+    row_offsets = offsets[polygon_offsets]
 
-    empty = np.bincount(row_polygon, minlength=count) == 0
+    empty = np.diff(row_offsets) == 0
     verdict[empty] = Sentence("empty geometry")
     bad = np.zeros(count, dtype=bool)
     finite = np.isfinite(xy)
@@ -149,7 +150,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
         bad[row_polygon[~finite]] = True
         verdict[bad] = Sentence("coordinates are not finite (NaN or infinity)")
         xy[~finite] = 0.0
-    xy, unit, lost = _scaled(xy, row_polygon, count)
+    xy, unit, lost = _scaled(xy, row_offsets)
 
     # corners: rows that differ from the one before on their ring
     is_start = np.ones(len(xy), dtype=bool)
@@ -166,9 +167,9 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     verdict[lost] = Sentence("invalid geometry: {}", TOO_FINE)
     good = verdict == ""
     kept = good[ring_polygon]  # rings
-    starts = np.flatnonzero(is_start & good[row_polygon])
+    starts = np.flatnonzero(is_start if good.all() else is_start & good[row_polygon])
     corner_offsets = offsets_of(corner_count[kept])
-    shape = shapes(xy[starts], corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
+    shape = shapes(xy.take(starts, axis=0), corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
     valid = is_valid(shape)
     if not valid.all():
         number = np.flatnonzero(good)
@@ -351,19 +352,20 @@ def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, n
     ), vertex
 
 
-def _scaled(xy, row_polygon, count):
+def _scaled(xy, offsets):
     """Bring extreme magnitudes to about 1, by a power of two: exact, but where digits would be lost."""
-    unit, lost = np.ones(count), np.zeros(count, dtype=bool)
-    largest = np.zeros(count)
-    if len(xy):
-        first = np.flatnonzero(np.diff(row_polygon, prepend=-1))
-        of_axes = np.maximum.reduceat(np.abs(xy), first, axis=0)  # ufunc.max(axis=1) takes ten times longer
-        largest[row_polygon[first]] = of_axes.max(axis=1)
+    count = len(offsets) - 1
+    unit, largest, lost = np.ones(count), np.zeros(count), np.zeros(count, dtype=bool)
+    some = np.flatnonzero(np.diff(offsets))
+    if len(some):
+        # ufunc.max(axis=1) takes ten times longer
+        of_axes = np.maximum.reduceat(np.abs(xy), offsets[some], axis=0)
+        largest[some] = of_axes.max(axis=1)
     extreme = np.flatnonzero(((largest <= 1e-50) & (largest > 0.0)) | (largest >= 1e50))
     for p in extreme.tolist():
         exponent = int(np.frexp(largest[p])[1])
         unit[p] = np.ldexp(1.0, exponent)
-        own = row_polygon == p
+        own = slice(offsets[p], offsets[p + 1])
         scaled = np.ldexp(xy[own], -exponent)
         lost[p] = (np.ldexp(scaled, exponent) != xy[own]).any()
         xy[own] = scaled
@@ -391,7 +393,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         )
     # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
     first, end = corner_offsets[:-1], corner_offsets[1:]
-    corner_xy = xy[starts]
+    corner_xy = xy.take(starts, axis=0)
     x = corner_xy[:, 0]
     leftmost = np.flatnonzero(x == spread(np.minimum.reduceat(x, first), corner_offsets))
     own = np.searchsorted(leftmost, first)
@@ -440,7 +442,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         corner_offsets = offsets_of(np.diff(corner_offsets)[order])
     row_start = np.append(np.flatnonzero(begins), len(rows))
     return Polygons(
-        xy=xy[rows[row_start[:-1]]],
+        xy=xy.take(rows[row_start[:-1]], axis=0),
         unit=None,
         vertex=np.arange(len(row_start) - 1),
         offsets=corner_offsets,
