@@ -1800,6 +1800,10 @@
    <translation>nicht für kommerzielle Nutzung</translation>
   </message>
   <message>
+   <source>nothing may be written to the folder {}</source>
+   <translation>in den Ordner {} darf nichts geschrieben werden</translation>
+  </message>
+  <message>
    <source>number</source>
    <translation>Zahl</translation>
   </message>
@@ -1940,6 +1944,10 @@
    <translation>das exakte Verfahren braucht den Löser HiGHS aus dem Python-Paket scipy, 1.9 oder neuer</translation>
   </message>
   <message>
+   <source>the file there may not be changed</source>
+   <translation>die Datei dort darf nicht geändert werden</translation>
+  </message>
+  <message>
    <source>the focus covers all of the input, so nothing can make room for it. Choose a smaller focus, or let the map grow</source>
    <translation>die Region bedeckt die ganze Karte, sodass nichts Platz machen kann. Wählen Sie eine kleinere Region, oder lassen Sie die Karte wachsen</translation>
   </message>
@@ -2072,6 +2080,14 @@
    <translation>{} ist nicht erreichbar: {}. Es wurde nichts geändert. Gibt es ein Netz, und kennt QGIS den Proxy (Einstellungen, Optionen, Netzwerk)?</translation>
   </message>
   <message>
+   <source>{} cannot be written to {}: there is no such folder. {}</source>
+   <translation>{} kann nicht nach {} geschrieben werden: den Ordner gibt es nicht. {}</translation>
+  </message>
+  <message>
+   <source>{} cannot be written to {}: {}. Choose another place.</source>
+   <translation>{} kann nicht nach {} geschrieben werden: {}. Wählen Sie einen anderen Ort.</translation>
+  </message>
+  <message>
    <source>{} cannot be written: {}</source>
    <translation>{} kann nicht geschrieben werden: {}</translation>
   </message>
@@ -2106,6 +2122,10 @@
   <message>
    <source>{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours there.</source>
    <translation>{} ohne Fläche in der Karte, bei {}{}. Flächen beiderseits einer Lücke sind dort keine Nachbarn.</translation>
+  </message>
+  <message>
+   <source>{} is no folder</source>
+   <translation>{} ist kein Ordner</translation>
   </message>
   <message>
    <source>{} is no number of at least 0: {}.</source>

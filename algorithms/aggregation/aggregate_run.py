@@ -49,6 +49,8 @@ def aggregate(tool, parameters, context, feedback):
     with _uncollected(), Sinks(tool, parameters, context, feedback) as sinks:
         results = run.write(found, sinks)
         run.report(found, results, sinks)
+    if feedback.isCanceled():  # it has been removed
+        results.pop(tool.REPORT, None)
     results.update(sinks.destinations)
     style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml", dress=run.legend)
     cost = costs(run.problem, found)
@@ -194,7 +196,7 @@ class _Run:
         layer.tell_overlaps(feedback, areas.features, overlaps)
         self._tell_left()
         self.classes = sorted({one for one in texts if one is not None})
-        if not self.classes:
+        if not self.classes and not feedback.isCanceled():
             feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
         with _told():
             self.problem = posed(

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from isthmus.core.aggregation import annealing as annealing_stage
 from isthmus.core.aggregation import methods
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
 from isthmus.core.aggregation.exact import _Part, exact, problems_of, require_highs
@@ -163,8 +164,18 @@ def test_the_time_of_exact_is_that_of_its_first_solution_too(monkeypatch):
 
     monkeypatch.setattr(methods, "annealing", slow)
     monkeypatch.setattr(methods, "exact", bounded)
-    methods.by_method(problem, "exact", seconds=2.0)
-    assert told[0] <= 1.0 and took[0] <= 1.4
+    methods.by_method(problem, "exact", seconds=4.0)
+    assert told[0] <= 2.0 and 0.0 < took[0] <= 3.4
+
+
+def test_the_scale_of_prices_is_that_of_moves_that_may_be_made(monkeypatch):
+    """Most moves of a map may be impossible: with their price it was infinitely hot."""
+    delta = np.array([np.inf, -1.0, 3.0, np.inf, 0.0, 1.0, np.inf, np.inf, 2.0, np.inf])
+    monkeypatch.setattr(annealing_stage, "draw", lambda regions, rng, count: ())
+    monkeypatch.setattr(annealing_stage, "prices", lambda regions, terms: delta)
+    assert annealing_stage._scale(None, None, 0.0) == 2.0
+    delta = delta[:2]
+    assert annealing_stage._scale(None, None, 0.0) == 1.0
 
 
 def test_same_seed_same_result_another_seed_another():

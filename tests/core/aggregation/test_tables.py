@@ -33,6 +33,17 @@ def test_an_area_without_geometry_is_in_no_region():
     assert (told.size.tolist(), told.faults, told.small) == ([5.0, 3.0], {}, [])
 
 
+def test_pieces_of_one_area_in_one_region_are_merged():
+    pairs = [[k, k + 1] for k in range(6)]
+    problem = build(np.full(7, 3.0), [0] * 7, range(7), pairs, np.ones(6), np.zeros((1, 1)), [2.0])
+    found = Solution(np.array([0, 0, 0, 0, 1, 1, 1]), np.array([0, 4]))
+    shaped = np.array([True] * 6 + [False])
+    told = outcome(problem, found, shaped, list("pprsprr"), {})
+    one, other = told.merged[:2]
+    assert one == other >= 0  # two of p; the third is in the other region
+    assert told.merged[2:].tolist() == [-1] * 5
+
+
 def test_rows_about_classes_that_are_not_on_the_map_do_not_matter():
     rows = [("a", "b", 0.5), ("a", "lake", 2.0), ("lake", "a", 3.0), ("lake", "sea", -1.0)]
     assert distances(["a", "b"], "table", rows)[0].tolist() == [[0.0, 0.5], [0.5, 0.0]]
