@@ -26,7 +26,7 @@ body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0
 table {{ border-collapse: collapse }} td, th {{ border: 1px solid #bbb; padding: .3em .6em; text-align: left }}
 td {{ vertical-align: top }} code, pre {{ background: #eee }} pre {{ padding: .6em; overflow: auto }}
 </style></head><body>
-<p><a href="README.html">Isthmus: reference</a></p>
+<p><a href="README.html">Isthmus: {contents}</a></p>
 {body}
 </body></html>
 """
@@ -100,7 +100,8 @@ def html_page(text, language="en"):
             elif line.strip():
                 body.append(f"<p>{_inline(line)}</p>")
     title = re.search(r"^# (.*)$", text, re.MULTILINE)[1]
-    return PAGE.format(language=language, title=html.escape(title), body="\n".join(body))
+    contents = {"de": "Referenz"}.get(language, "reference")
+    return PAGE.format(language=language, title=html.escape(title), contents=contents, body="\n".join(body))
 
 
 def _table(rows):

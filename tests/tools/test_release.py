@@ -51,7 +51,9 @@ def test_metadata_has_the_owners_words_and_the_changes(release):
 
 def test_pages_of_the_reference_become_html(release):
     for path in (ROOT / "docs" / "reference").rglob("*.md"):
-        page = release.html_page(path.read_text(encoding="utf-8"))
+        german = path.parent.name == "de"
+        page = release.html_page(path.read_text(encoding="utf-8"), "de" if german else "en")
+        assert f"Isthmus: {'Referenz' if german else 'reference'}</a>" in page
         body = page.partition("<body>")[2]
         assert not re.search(r"\]\(|\*\*|^\||^#|```", body, re.MULTILINE), path.name
         for tag in ("table", "p", "code", "i", "h2", "pre", "tr"):
