@@ -187,10 +187,9 @@ class _Run:
         layer.tell_scale(feedback, crs, areas.coverage.xy, self.context)
         feedback.setProgressText(tr("Finding shared boundaries"))
         texts = layer.texts(areas.features, self.class_index)
-        self.reason = reasons_of(areas, texts, [
-            Sentence("it is empty") if one.hasGeometry() else Sentence("it has no geometry")
-            for one in areas.features
-        ])  # fmt: skip
+        empty, without = Sentence("it is empty"), Sentence("it has no geometry")
+        shapeless = [empty if one.hasGeometry() else without for one in areas.features]
+        self.reason = reasons_of(areas, texts, shapeless)
         invalid, overlaps = flaws(areas)
         self._tell_invalid(set(invalid.tolist()) - set(self.reason))
         layer.tell_overlaps(feedback, areas.features, overlaps)
