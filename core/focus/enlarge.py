@@ -256,8 +256,8 @@ def _units(rows, starts, aspect):
 def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, growth, most, stage):
     """The shift of all vertices, the edges that are relevant, those that join islands, the growth, and dents.
 
-    The detail is carried along. Where slivers are in the way, they are detail. Where that turns a triangle, of
-    ours or of a square, more of it is solved for, at last all of a map that is not too large: while it is
+    The detail is carried along. Where slivers are in the way, they are detail. Where that turns a triangle,
+    ours or of a square, more is solved for, at last all of a map that is not too large: while it is
     solved for, no triangle turns whose corners are all there. Of ours none may be left.
     """
     xy = mesh.xy
