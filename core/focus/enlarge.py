@@ -27,7 +27,12 @@ DILATATION = 1.4  # of the ring around the focus, if the frame may grow as it sh
 LAND = 10.0  # how much stiffer polygons are than what is between them
 PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
 ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
+GAPS = (1e-6, 1e-4)  # of the map's width: what is narrower is not solved for, where the scale is not reached
 WHOLE = 20_000  # vertices that are solved for at last, if need be
+
+
+class NoRoom(Unsolvable):
+    """The scale was not reached."""
 
 
 class FocusMap(NamedTuple):
@@ -251,9 +256,9 @@ def _units(rows, starts, aspect):
 def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, growth, most, stage):
     """The shift of all vertices, the edges that are relevant, those that join islands, the growth, and dents.
 
-    The detail is carried along. Where that turns a triangle, of ours or of a square, more of it is solved
-    for, at last all of a map that is not too large: while it is solved for, no triangle turns whose corners
-    are all there. Of ours none may be left.
+    The detail is carried along. Where slivers are in the way, they are detail. Where that turns a triangle,
+    ours or of a square, more is solved for, at last all of a map that is not too large: while it is
+    solved for, no triangle turns whose corners are all there. Of ours none may be left.
     """
     xy = mesh.xy
     spare = others(xy, mesh.triangles, noded.edges)
@@ -261,18 +266,25 @@ def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, gr
     free[np.concatenate(mesh.side)] = False
     needed = np.zeros(len(xy), dtype=bool)
     needed[given.ravel()] = True
-    made = []
+    made, gap, full = [], 0.0, None
     for rings in range(1, ATTEMPTS + 1):
-        if rings == ATTEMPTS > 1 and np.count_nonzero(mesh.removable) <= WHOLE:
+        if rings == ATTEMPTS > 1 and not gap and np.count_nonzero(mesh.removable) <= WHOLE:
             needed[:] = True
         removable = mesh.removable & ~needed
-        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2))
+        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2), gap)
         chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
         chosen = unique_pairs(chosen, len(xy))
         solid = np.concatenate((coarse.edges, chosen))
-        shift, bridges, size = _solved(
-            mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
-        )
+        try:
+            shift, bridges, size = _solved(
+                mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
+            )
+        except NoRoom as problem:
+            full = full or problem
+            if rings == ATTEMPTS:
+                raise full from None
+            gap = GAPS[min(rings, len(GAPS)) - 1]  # slivers may be what stops it
+            continue
         check = stage(0.85, 0.95)
         _scale_exactly(mesh, shift, scale, frame)
         shift = reinsert(coarse, xy, shift, mesh.rigid, check)
@@ -567,7 +579,7 @@ def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
             "Choose a smaller scale, a larger map around the region, or let the map grow",
             scale, math.floor(room * 100) / 100,
         )  # fmt: skip
-        raise Unsolvable(tight)
+        raise NoRoom(tight)
     shift = np.zeros((n, 2))
     shift[kept] = moved
     return shift, kept[bridges], size

@@ -383,6 +383,22 @@ def test_lines_are_carried_all_along(focus):
     assert len(Carrier(still.points, still.moved, still.triangles).lines(lines, [0, len(lines)])[1]) == 0
 
 
+@pytest.mark.parametrize("gap", [1e-8, 1e-5, -1e-3])
+def test_slivers_are_not_in_the_way(gap):
+    """Parcels of size 1 that should meet, and do not quite."""
+    rng = np.random.default_rng(1)
+    post = np.stack(np.meshgrid(*[np.arange(6.0)] * 2, indexing="ij"), axis=-1)
+    post += rng.uniform(-0.2, 0.2, post.shape)
+    corners = [post[i : i + 2, j : j + 2].reshape(4, 2)[[0, 2, 3, 1]] for i in range(5) for j in range(5)]
+    parcels = shapely.buffer(shapely.polygons(corners), -gap * rng.integers(0, 2, 25), join_style="mitre")
+    rows, starts, polygons = rings_of(*(shapely.get_coordinates(one)[:-1] for one in parcels))
+    focus = shapely.box(1.5, 1.5, 3.2, 3.2)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=2.0)
+    lines = with_splits(rows, starts, result)
+    assert result.scale == 2.0 and faults(result, *lines) == []
+    assert verify(*lines, [[one] for one in polygons])[1:] == (0, 0, 0, True)
+
+
 # ---- found by fuzzing
 
 
