@@ -236,7 +236,7 @@ def from_triangulation(
     short = places(rest, sides, position, measure) if with_places else None
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
-    found = Diagonals(vertex[edges], verdict, short)
+    found = Diagonals(edges if rest is polygons else vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]
