@@ -864,6 +864,10 @@
    <translation>Keine Fläche liegt über der halben Mindestgröße.</translation>
   </message>
   <message>
+   <source>No longer valid, since they are narrower than 1e-10 of the map's width where others meet them (Fix geometries mends them): feature {}.</source>
+   <translation>Nicht mehr gültig, da schmaler als 1e-10 der Breite der Karte, wo andere sie berühren oder kreuzen („Geometrien reparieren“ behebt es): Objekt {}.</translation>
+  </message>
+  <message>
    <source>No region may have a class of the map: all of them are excluded.</source>
    <translation>Keine Region darf eine Klasse der Karte haben: Alle sind ausgeschlossen.</translation>
   </message>

@@ -165,8 +165,15 @@ def _focus_map(origin: Source, runs: list[Runs], result: Any, carried: list) -> 
         np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
     )
     width, height = result.growth.tolist()
+    moved = _moved(origin.geometries, runs, result)
+    spoiled = np.flatnonzero(~shapely.is_valid(moved) & shapely.is_valid(origin.geometries))
+    _kinds.tell(
+        origin,
+        dict.fromkeys(spoiled.tolist(), "narrower than 1e-10 of the map's width where others meet it"),
+        "are no longer valid (shapely.make_valid mends them)",
+    )
     return FocusMap(
-        map=_same(origin, _moved(origin.geometries, runs, result)),
+        map=_same(origin, moved),
         edges=shapely.linestrings(result.moved[result.edges]),
         edge_fields={"kind": result.kind, "length": before, "stretch": after / before},
         carried=carried,

@@ -68,7 +68,7 @@ def run(tool, parameters, context, feedback):
     _tell(feedback, result)
     crs = source.sourceCrs()
     with Sinks(tool, parameters, context, feedback) as sinks:
-        _write(tool, sinks, source, given, result)
+        _write(tool, sinks, source, given, result, feedback)
         _write_edges(tool, sinks, crs, result)
         answer = _carry(tool, parameters, context, crs, result, feedback)
         feedback.setProgress(100)
@@ -239,7 +239,8 @@ def _given(tool, parameters, context, crs, rows, feedback):
     return found[good]
 
 
-def _write(tool, sinks, source, given, result):
+def _write(tool, sinks, source, given, result, feedback):
+    spoiled = []
     kind = QgsWkbTypes.linearType(source.wkbType())
     sinks.open(tool.OUTPUT, source.fields(), kind, source.sourceCrs())
     start = 0
@@ -255,8 +256,23 @@ def _write(tool, sinks, source, given, result):
         geometry = feature.geometry()
         if count:
             geometry = one.moved(result.rows[start : start + count], list(splits))
+            if not _is_valid(geometry) and _is_valid(feature.geometry()):
+                spoiled.append(feature.id())
         start += count
         sinks.add(tool.OUTPUT, geometry, feature.attributes(), Sentence("feature {}", feature.id()))
+    if spoiled:
+        feedback.pushWarning(
+            tr(
+                "No longer valid, since they are narrower than 1e-10 of the map's width where others meet "
+                "them (Fix geometries mends them): feature {}."
+            ).format(", ".join(map(str, spoiled[:10])) + " ..." * (len(spoiled) > 10))
+        )
+
+
+def _is_valid(geometry):
+    if geometry.type() != QgsWkbTypes.GeometryType.PolygonGeometry:
+        return True
+    return shapely.is_valid(shapely.from_wkb(bytes(_straight(geometry).asWkb()), on_invalid="ignore"))
 
 
 def _write_edges(tool, sinks, crs, result):

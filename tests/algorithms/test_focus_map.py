@@ -423,3 +423,15 @@ def test_a_carried_feature_without_a_place_in_the_map(run, land, focus, layer, t
     assert (lost["name"], kept["name"]) == ("nowhere", "here")
     assert lost.geometry().isEmpty() and not kept.geometry().isEmpty()
     assert any("have no place" in text for text in feedback.warnings)
+
+
+def test_what_is_too_narrow_to_stay_valid_is_told(run, layer, feedback):
+    """The long sides of the third are one where the border of the others crosses them."""
+    left, right = "POLYGON((0 0,30 0,33 100,0 100,0 0))", "POLYGON((30 0,100 0,100 100,33 100,30 0))"
+    thin = "POLYGON((10 50,90 50,90 50.000000001,10 50.000000001,10 50))"
+    fields = layer("Polygon?crs=EPSG:3035", [(one, []) for one in (left, right, thin)])
+    region = layer("Polygon?crs=EPSG:3035", [("POLYGON((40 60,60 60,60 80,40 80,40 60))", [])])
+    results = run(TOOL, parameters(fields, region, SCALE=2, GROWTH=200), feedback)
+    valid = [feature.geometry().isGeosValid() for feature in features(results)]
+    told = [text for text in feedback.warnings if text.startswith("No longer valid")]
+    assert valid == [True, True, False] and len(told) == 1 and told[0].endswith("feature 3.")
