@@ -11,7 +11,7 @@ import math
 import struct
 from random import Random
 
-import hostile
+from hostile import NOT_FINITE
 import shapely
 from hypothesis import strategies as st
 
@@ -236,7 +236,7 @@ def turn_ring(rng, rows):
 def not_finite(rng, rows):
     row = _some(rng, rows)
     if row:
-        rng.choice(points_of(row[0]))[rng.randrange(2)] = float(rng.choice(hostile.NOT_FINITE))
+        rng.choice(points_of(row[0]))[rng.randrange(2)] = float(rng.choice(NOT_FINITE))
 
 
 def far_away(rng, rows):
