@@ -16,6 +16,7 @@ from isthmus.algorithms.aggregation.areas import text, texts  # noqa: E402
 from isthmus.algorithms.aggregation.prepare_aggregation import PrepareAggregationAlgorithm  # noqa: E402
 from isthmus.algorithms.layers.source import Reader  # noqa: E402
 from qgis.core import (  # noqa: E402
+    Qgis,
     NULL,
     QgsFeature,
     QgsGeometry,
@@ -718,6 +719,8 @@ def test_a_null_geometry_in_a_layer_with_heights(qgis_app):
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300])
 def test_an_area_with_coordinates_that_cannot_be_measured(qgis_app, wrong):
+    if wrong == math.inf and Qgis.QGIS_VERSION_INT // 100 == 334:
+        pytest.skip("QGIS 3.34 itself throws at a memory layer with an infinite coordinate")
     ring = QgsLineString([QgsPoint(*p) for p in ((0, 0), (10, 0), (wrong, 10), (0, 10), (0, 0))])
     layer = areas([(box(10, 0), "a"), (box(20, 0), "b"), (box(0, 0), "b")])
     odd = QgsFeature(layer.fields())

@@ -151,6 +151,7 @@ def _on_segment(points, a, b):
     a, b = np.array(a), np.array(b)
     ahead, d = points - a, b - a
     cross = ahead[:, 0] * d[1] - ahead[:, 1] * d[0]
-    dot = ahead @ d
-    found = points[(cross == 0) & (dot > 0) & (dot < d @ d)]
+    # both by the same sums: a product of matrices may round otherwise than one of vectors
+    dot, whole = (ahead * d).sum(axis=1), (d * d).sum()
+    found = points[(cross == 0) & (dot > 0) & (dot < whole)]
     return [tuple(p) for p in found[np.argsort(np.abs(found - a).sum(axis=1))]]

@@ -11,6 +11,7 @@ import math
 import struct
 from random import Random
 
+from hostile import NOT_FINITE
 import shapely
 from hypothesis import strategies as st
 
@@ -235,7 +236,7 @@ def turn_ring(rng, rows):
 def not_finite(rng, rows):
     row = _some(rng, rows)
     if row:
-        rng.choice(points_of(row[0]))[rng.randrange(2)] = rng.choice((math.nan, math.inf, -math.inf))
+        rng.choice(points_of(row[0]))[rng.randrange(2)] = float(rng.choice(NOT_FINITE))
 
 
 def far_away(rng, rows):

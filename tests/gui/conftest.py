@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("qgis.gui", reason="these tests need QGIS")
 
-from qgis.core import QgsLayerTreeModel, QgsProject  # noqa: E402
+from qgis.core import Qgis, QgsLayerTreeModel, QgsProject  # noqa: E402
 from qgis.gui import QgsLayerTreeView, QgsMapCanvas, QgsMessageBar  # noqa: E402
 from qgis.PyQt.QtCore import QEventLoop, QTimer  # noqa: E402
 from qgis.PyQt.QtWidgets import QMainWindow  # noqa: E402
@@ -51,10 +51,12 @@ def iface(provider, monkeypatch):
     import qgis.utils
 
     QgsProject.instance().clear()
-    # Processing asks for QGIS's own list of layers, and since 3.44 takes no other object for it
-    view = QgsLayerTreeView()
-    view.setModel(QgsLayerTreeModel(QgsProject.instance().layerTreeRoot()))
-    monkeypatch.setattr(qgis.utils.iface, "layerTreeView", lambda: view, raising=False)
+    if Qgis.QGIS_VERSION_INT >= 34400:
+        # Processing asks for QGIS's own list of layers, and takes no stand-in for it any more
+        view = QgsLayerTreeView()
+        # the view does not hold its model
+        view.setModel(QgsLayerTreeModel(QgsProject.instance().layerTreeRoot(), view))
+        monkeypatch.setattr(qgis.utils.iface, "layerTreeView", lambda: view, raising=False)
     yield Iface()
     QgsProject.instance().clear()
 

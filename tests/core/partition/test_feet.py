@@ -140,10 +140,12 @@ def test_feet_are_feet(k):
     assert len(corner) == len(coords)
     real = ~polygons.inserted
     after, xy = polygons.next_corner, polygons.xy[polygons.vertex]
-    room = shapely.prepare(s.polygon) or s.polygon.buffer(1e-9 * np.abs(xy).max())
+    room = s.polygon.buffer(1e-9 * np.abs(xy).max())
+    shapely.prepare(room)
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
-    turn = np.cross(xy - xy[before], xy[after] - xy)
+    (ax, ay), (bx, by) = (xy - xy[before]).T, (xy[after] - xy).T
+    turn = ax * by - ay * bx
     concave = xy[(turn < 0) & real]
     for foot in more.xy[more.vertex[corner]]:
         lines = shapely.linestrings(np.stack((xy, xy[after]), axis=1))

@@ -72,7 +72,10 @@ def test_engines_agree_where_no_four_points_are_cocircular(seed):
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", CASES)
 def test_delaunay(name, engine, monkeypatch):
-    """No triangle sees the corner of its neighbour inside its circle; exact, of many collinear points too."""
+    """No triangle sees the corner of its neighbour inside its circle; exact, of many collinear points too.
+
+    But that of shapely 2.2 (GEOS 3.14) only up to rounding.
+    """
     monkeypatch.setenv("ISTHMUS_ENGINE", engine)
     polygon = from_rings(*CASES[name])
     found, _ = triangulate(polygon, engine=engine)
@@ -82,23 +85,25 @@ def test_delaunay(name, engine, monkeypatch):
             opposite[corners[k], corners[k - 2]] = corners[k - 1]
     assert len(opposite) == 3 * len(found)
     points = [tuple(map(Fraction, point)) for point in polygon.xy.tolist()]
+    slack = Fraction(1, 10**12) if engine == "shapely" else 0
     assert not any(
-        _in_circle(points[a], points[b], points[c], points[opposite[b, a]])
+        _in_circle(points[a], points[b], points[c], points[opposite[b, a]], slack)
         for (a, b), c in opposite.items()
         if (b, a) in opposite
     )
 
 
-def _in_circle(a, b, c, d):
-    """Whether d is inside the circle through a, b, c, which turn left."""
+def _in_circle(a, b, c, d, slack):
+    """Whether d is inside the circle through a, b, c, which turn left, by more than a share of what is added up."""
     (ax, ay), (bx, by), (cx, cy) = ((x - d[0], y - d[1]) for x, y in (a, b, c))
     turn = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     assert turn > 0
-    return (
-        (ax * ax + ay * ay) * (bx * cy - cx * by)
-        - (bx * bx + by * by) * (ax * cy - cx * ay)
-        + (cx * cx + cy * cy) * (ax * by - bx * ay)
-    ) > 0
+    terms = (
+        (ax * ax + ay * ay) * (bx * cy - cx * by),
+        -(bx * bx + by * by) * (ax * cy - cx * ay),
+        (cx * cx + cy * cy) * (ax * by - bx * ay),
+    )
+    return sum(terms) > slack * sum(map(abs, terms))
 
 
 # ---------------------------------------------------------------- longitudes and latitudes
