@@ -18,6 +18,7 @@ from qgis.core import (
 from qgis.PyQt.QtGui import QIcon
 
 from .dependencies import dependency_problem
+from .layers.sinks import overwriting, unwritable
 from .words import help_url, tr
 
 RESOURCES = Path(__file__).parent.parent / "resources"
@@ -76,7 +77,10 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         )  # fmt: skip
         if problem:
             return False, problem
-        return super().checkParameterValues(parameters, context)
+        good, problem = super().checkParameterValues(parameters, context)
+        if good:  # before anything is computed
+            problem = overwriting(self, parameters, context) or unwritable(self, parameters)
+        return good and not problem, problem
 
     def with_names(self, parameters):
         """Return parameters in which a choice has its name, though its number was given.

@@ -139,10 +139,11 @@ def closed(offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     (array([0, 1, 2, 0, 3, 4, 3]), array([0, 4, 4, 7]))
     """
     size = np.diff(offsets)
-    count = size + (size > 0)  # an empty ring stays empty
-    along = ranges(np.zeros(len(size), dtype=np.int64), count)
-    along -= np.repeat(np.where(size > 0, size, 1), count) * (along == np.repeat(size, count))
-    return np.repeat(offsets[:-1], count) + along, offsets_of(count)
+    some = size > 0  # an empty group stays empty
+    closed_offsets = offsets_of(size + some)
+    place = np.arange(closed_offsets[-1]) - spread(np.cumsum(some) - some, closed_offsets)
+    place[closed_offsets[1:][some] - 1] = offsets[:-1][some]
+    return place, closed_offsets
 
 
 def ranges(start: np.ndarray, count: np.ndarray) -> np.ndarray:
@@ -166,7 +167,9 @@ def starts(values: np.ndarray) -> np.ndarray:
     >>> starts(np.array([4, 4, 7, 4])), starts(np.array([]))
     (array([0, 2, 3]), array([], dtype=int64))
     """
-    return np.flatnonzero(np.append(True, values[1:] != values[:-1])[: len(values)])
+    begins = np.ones(len(values), dtype=bool)
+    np.not_equal(values[1:], values[:-1], out=begins[1:])
+    return np.flatnonzero(begins)
 
 
 def take(offsets: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -276,8 +279,13 @@ def signed_areas(xy: np.ndarray, offsets: np.ndarray) -> np.ndarray:
         return np.zeros(0)
     # near the origin the shoelace formula cancels least
     x, y = (axis - spread(axis[offsets[:-1]], offsets) for axis in xy.T)
-    after = following(offsets)
-    return 0.5 * np.add.reduceat(x * y[after] - x[after] * y, offsets[:-1])
+    first, last = offsets[:-1], offsets[1:] - 1
+    x_after, y_after = np.append(x[1:], x[:1]), np.append(y[1:], y[:1])
+    x_after[last], y_after[last] = x[first], y[first]
+    y_after *= x
+    x_after *= y
+    y_after -= x_after
+    return 0.5 * np.add.reduceat(y_after, first)
 
 
 def shapes(xy: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray) -> np.ndarray:

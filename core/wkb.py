@@ -73,14 +73,14 @@ def polygons(
     77
     """
     place, closed_offsets = closed(offsets)
-    data = coords[rows[place]]
+    data = coords.take(rows[place], axis=0)
     ordinates = coords.shape[1]
     at = (8 * ordinates * closed_offsets).tolist()
     counts = np.diff(closed_offsets).astype("<u4").tobytes()
-    raw = data.tobytes()
+    raw = memoryview(data).cast("B") if len(data) else b""
     bounds = ring_offsets.tolist()
     for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
-        chunks = [header(6 + more, 1)] if multi else []
+        chunks: list[bytes | memoryview] = [header(6 + more, 1)] if multi else []
         chunks.append(header(3 + more, hi - lo))
         narrower = width(more) != ordinates
         for ring in range(lo, hi):
@@ -165,13 +165,15 @@ class Runs:
             After which point each is put in, ascending, where it is, and the share of the way to the next
             point, by which its Z and M are between theirs.
         """
-        start, stops, pieces, done = 0, list(splits), [], 0
+        start, lo, pieces, done = 0, 0, [], 0
         for k, count in enumerate(self.counts):
             view = self._view(k)
             view[:, :2] = xy[start : start + count]
-            own = [one for one in stops if start <= one[0] < start + count]
-            if own:
-                stops = stops[len(own) :]
+            hi = lo
+            while hi < len(splits) and splits[hi][0] < start + count:
+                hi += 1
+            if lo < hi:
+                own, lo = splits[lo:hi], hi
                 place, size = self._places[k]
                 after = np.array([one[0] - start for one in own])
                 share = np.array([one[2] for one in own])[:, None]

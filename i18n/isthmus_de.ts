@@ -208,8 +208,8 @@
    <translation>&lt;p&gt;Die Teile aller Stufen liegen übereinander. Der Filter &lt;i&gt;from_tau &amp;lt;= 3 AND 3 &amp;lt; to_tau&lt;/i&gt; zeigt die Zerlegung bei tau = 3, und &lt;i&gt;persistence &amp;gt; 3&lt;/i&gt; ihre Schnitte. Teile, die immer bleiben, haben ein to_tau von 1.000.000.000, und Schnitte, die nur ein Loch anschließen, haben diese Persistenz.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;The region has exactly the scale asked for, or nothing is written and the tool says why. No triangle is turned over: no lines cross that did not cross before, and polygons stay valid. Where the end or a point of one line lies on another without being a point of it, or lines cross, the line gets a point there, so that they stay together. The numbers tell how much the triangles of the polygons are distorted: the change of angles that half, and 95 %, of the area do not exceed.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;Die Region hat genau die verlangte Vergrößerung, oder es wird nichts geschrieben und das Werkzeug sagt, warum. Kein Dreieck wird umgeklappt: Es kreuzen sich keine Linien, die sich nicht schon vorher kreuzten, und Polygone bleiben gültig. Wo das Ende oder ein Punkt einer Linie auf einer anderen liegt, ohne ein Punkt von ihr zu sein, oder wo sich Linien kreuzen, bekommt die Linie dort einen Punkt, damit sie zusammenbleiben. Die Zahlen sagen, wie stark die Dreiecke der Polygone verzerrt sind: die Änderung der Winkel, die auf der Hälfte und auf 95 % der Fläche nicht überschritten wird.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;The region has exactly the scale asked for, or nothing is written and the tool says why. No triangle is turned over: no lines cross that did not cross before, and polygons stay valid. Where the end or a point of one line lies on another without being a point of it, or lines cross, the line gets a point there, so that they stay together. This is tested exactly, where the points will be, before anything is written. Squares, as rasters have them, stay convex besides, unless the log tells how many do not. The numbers tell how much the triangles of the polygons are distorted: the change of angles that half, and 95 %, of the area do not exceed.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;Die Region hat genau die verlangte Vergrößerung, oder es wird nichts geschrieben und das Werkzeug sagt, warum. Kein Dreieck wird umgeklappt: Es kreuzen sich keine Linien, die sich nicht schon vorher kreuzten, und Polygone bleiben gültig. Wo das Ende oder ein Punkt einer Linie auf einer anderen liegt, ohne ein Punkt von ihr zu sein, oder wo sich Linien kreuzen, bekommt die Linie dort einen Punkt, damit sie zusammenbleiben. Das wird exakt geprüft, dort, wo die Punkte liegen werden, bevor etwas geschrieben wird. Auch Quadrate, wie Raster sie haben, bleiben konvex, es sei denn, das Protokoll sagt, wie viele nicht. Die Zahlen sagen, wie stark die Dreiecke der Polygone verzerrt sind: die Änderung der Winkel, die auf der Hälfte und auf 95 % der Fläche nicht überschritten wird.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;The region may be a feature of the map: choose the same layer, and tick &lt;i&gt;Selected features only&lt;/i&gt;. A map in degrees is solved in an equidistant cylindrical projection, true at its middle latitude, and comes back in degrees; a projected CRS shows better what you get.&lt;/p&gt;</source>
@@ -864,6 +864,10 @@
    <translation>Keine Fläche liegt über der halben Mindestgröße.</translation>
   </message>
   <message>
+   <source>No longer valid, since they are narrower than 1e-10 of the map's width where others meet them (Fix geometries mends them): feature {}.</source>
+   <translation>Nicht mehr gültig, da schmaler als 1e-10 der Breite der Karte, wo andere sie berühren oder kreuzen („Geometrien reparieren“ behebt es): Objekt {}.</translation>
+  </message>
+  <message>
    <source>No region may have a class of the map: all of them are excluded.</source>
    <translation>Keine Region darf eine Klasse der Karte haben: Alle sind ausgeschlossen.</translation>
   </message>
@@ -1096,8 +1100,8 @@
    <translation>Außerdem liefert das Werkzeug:</translation>
   </message>
   <message>
-   <source>Rivers, towns, labels: deformed as the map around them.</source>
-   <translation>Flüsse, Orte, Beschriftungen: verformt wie die Karte um sie herum.</translation>
+   <source>Rivers, towns, labels: deformed as the map around them. Lines get points where the map bends them.</source>
+   <translation>Flüsse, Orte, Beschriftungen: verformt wie die Karte um sie herum. Linien bekommen Punkte, wo die Karte sie biegt.</translation>
   </message>
   <message>
    <source>Rule for relevant edges, where none are given</source>
@@ -1800,6 +1804,10 @@
    <translation>nicht für kommerzielle Nutzung</translation>
   </message>
   <message>
+   <source>nothing may be written to the folder {}</source>
+   <translation>in den Ordner {} darf nichts geschrieben werden</translation>
+  </message>
+  <message>
    <source>number</source>
    <translation>Zahl</translation>
   </message>
@@ -1940,6 +1948,10 @@
    <translation>das exakte Verfahren braucht den Löser HiGHS aus dem Python-Paket scipy, 1.9 oder neuer</translation>
   </message>
   <message>
+   <source>the file there may not be changed</source>
+   <translation>die Datei dort darf nicht geändert werden</translation>
+  </message>
+  <message>
    <source>the focus covers all of the input, so nothing can make room for it. Choose a smaller focus, or let the map grow</source>
    <translation>die Region bedeckt die ganze Karte, sodass nichts Platz machen kann. Wählen Sie eine kleinere Region, oder lassen Sie die Karte wachsen</translation>
   </message>
@@ -2072,6 +2084,14 @@
    <translation>{} ist nicht erreichbar: {}. Es wurde nichts geändert. Gibt es ein Netz, und kennt QGIS den Proxy (Einstellungen, Optionen, Netzwerk)?</translation>
   </message>
   <message>
+   <source>{} cannot be written to {}: there is no such folder. {}</source>
+   <translation>{} kann nicht nach {} geschrieben werden: den Ordner gibt es nicht. {}</translation>
+  </message>
+  <message>
+   <source>{} cannot be written to {}: {}. Choose another place.</source>
+   <translation>{} kann nicht nach {} geschrieben werden: {}. Wählen Sie einen anderen Ort.</translation>
+  </message>
+  <message>
    <source>{} cannot be written: {}</source>
    <translation>{} kann nicht geschrieben werden: {}</translation>
   </message>
@@ -2106,6 +2126,10 @@
   <message>
    <source>{} inside the map without an area, at {}{}. Areas on both sides of a gap are no neighbours there.</source>
    <translation>{} ohne Fläche in der Karte, bei {}{}. Flächen beiderseits einer Lücke sind dort keine Nachbarn.</translation>
+  </message>
+  <message>
+   <source>{} is no folder</source>
+   <translation>{} ist kein Ordner</translation>
   </message>
   <message>
    <source>{} is no number of at least 0: {}.</source>
@@ -2166,6 +2190,10 @@
   <message>
    <source>{} smaller than 1 per cent of the feature.</source>
    <translation>{} kleiner als 1 Prozent des Objekts.</translation>
+  </message>
+  <message>
+   <source>{} squares are no longer convex, as there was no room. Nothing crosses there.</source>
+   <translation>{} Quadrate sind nicht mehr konvex, da kein Platz war. Dort kreuzt sich nichts.</translation>
   </message>
   <message>
    <source>{} would overwrite {}: both are {}. Choose another file{}.</source>

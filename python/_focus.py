@@ -165,8 +165,15 @@ def _focus_map(origin: Source, runs: list[Runs], result: Any, carried: list) -> 
         np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
     )
     width, height = result.growth.tolist()
+    moved = _moved(origin.geometries, runs, result)
+    spoiled = np.flatnonzero(~shapely.is_valid(moved) & shapely.is_valid(origin.geometries))
+    _kinds.tell(
+        origin,
+        dict.fromkeys(spoiled.tolist(), "narrower than 1e-10 of the map's width where others meet it"),
+        "are no longer valid (shapely.make_valid mends them)",
+    )
     return FocusMap(
-        map=_same(origin, _moved(origin.geometries, runs, result)),
+        map=_same(origin, moved),
         edges=shapely.linestrings(result.moved[result.edges]),
         edge_fields={"kind": result.kind, "length": before, "stretch": after / before},
         carried=carried,
@@ -258,12 +265,14 @@ def _given(lines: Source, rows: np.ndarray, match: Any) -> np.ndarray:
 
 def _carried(layer: Any, origin: Source, carrier: Any) -> Any:
     """A further layer, moved as the map around it."""
+    from .core.focus.carrying import carried
+
     own = _of_crs(layer, origin, "along")
     made = own.geometries.copy()
-    for k, geometry in enumerate(made):
-        one = _runs(geometry)
-        if one.counts and np.isfinite(one.xy).all():
-            made[k] = shapely.from_wkb(one.moved(carrier(one.xy)))
+    runs = [_runs(geometry) for geometry in made]
+    placed = [k for k, one in enumerate(runs) if one.counts and np.isfinite(one.xy).all()]
+    for k, data in zip(placed, carried(carrier, [runs[k] for k in placed])):
+        made[k] = shapely.from_wkb(data)
     return _same(own, made)
 
 

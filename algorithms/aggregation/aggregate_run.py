@@ -49,6 +49,8 @@ def aggregate(tool, parameters, context, feedback):
     with _uncollected(), Sinks(tool, parameters, context, feedback) as sinks:
         results = run.write(found, sinks)
         run.report(found, results, sinks)
+    if feedback.isCanceled():  # it has been removed
+        results.pop(tool.REPORT, None)
     results.update(sinks.destinations)
     style_on_load(context, sinks.destinations.get(tool.OUTPUT), "regions.qml", dress=run.legend)
     cost = costs(run.problem, found)
@@ -185,16 +187,15 @@ class _Run:
         layer.tell_scale(feedback, crs, areas.coverage.xy, self.context)
         feedback.setProgressText(tr("Finding shared boundaries"))
         texts = layer.texts(areas.features, self.class_index)
-        self.reason = reasons_of(areas, texts, [
-            Sentence("it is empty") if one.hasGeometry() else Sentence("it has no geometry")
-            for one in areas.features
-        ])  # fmt: skip
+        empty, without = Sentence("it is empty"), Sentence("it has no geometry")
+        shapeless = [empty if one.hasGeometry() else without for one in areas.features]
+        self.reason = reasons_of(areas, texts, shapeless)
         invalid, overlaps = flaws(areas)
         self._tell_invalid(set(invalid.tolist()) - set(self.reason))
         layer.tell_overlaps(feedback, areas.features, overlaps)
         self._tell_left()
         self.classes = sorted({one for one in texts if one is not None})
-        if not self.classes:
+        if not self.classes and not feedback.isCanceled():
             feedback.pushWarning(tr("No area has a class: there is nothing to aggregate."))
         with _told():
             self.problem = posed(
@@ -346,7 +347,7 @@ class _Run:
         if united or any(len(one) > 1 for one in (*shapes.values(), *merged_shapes.values())):
             wkb_type = QgsWkbTypes.multiType(wkb_type)
         written = self._regions(found, out, shapes, wkb_type, sinks)
-        self._report_small(out.small, found, out.size, out.faults)
+        self._report_small(out, found)
         self._assignment(found, out, merged_shapes, wkb_type, sinks)
         return {
             tool.REGION_COUNT: written,
@@ -450,8 +451,11 @@ class _Run:
             return layer.union([self.areas.features[k].geometry() for k in group])
         return layer.joined_geometry(self.areas, polygons, extra, multi)
 
-    def _report_small(self, small, found, size, faults, most=20):
-        if len(small) == len(found.core) > 0:
+    def _report_small(self, out, found, most=20):
+        small, size, faults = out.small, out.size, out.faults
+        # an area that is left as it is has a region of its own, which says nothing about the threshold
+        taking = sum(core not in self.reason for core in found.core.tolist())
+        if len(small) == taking > 0:
             self.feedback.pushWarning(
                 tr(
                     "No region reaches its minimum size: is the threshold larger than the map? Those that "
@@ -474,8 +478,10 @@ class _Run:
         self._tell_beside(np.isin(found.region, [r for r in small if faults[r] == "too small"]), found)
 
     def _largest(self):
-        """The size of the areas that hang together, the most."""
-        return np.bincount(components(self.problem), weights=self.problem.size).max(initial=0.0)
+        """The size of the areas that hang together, the most; not of those that are left as they are."""
+        size = self.problem.size.copy()
+        size[list(self.reason)] = 0.0
+        return np.bincount(components(self.problem), weights=size).max(initial=0.0)
 
     def _tell_beside(self, wanted, found):
         """Say where areas are too small because a gap or an overlap keeps them from their neighbours."""

@@ -169,7 +169,8 @@ def texts(features, index):
     known, found = {}, []
     for feature in features:
         value = feature.attribute(index)
-        key = type(value), str(value)  # 1, 1.0 and True are equal, too
+        kind = type(value)  # 1, 1.0 and True are equal, too
+        key = kind, value if kind in (int, str) else str(value)
         if key not in known:
             known[key] = text(value)
         found.append(known[key])

@@ -55,8 +55,10 @@ edges, where people see parts meet; on the maps measured every diagonal kept the
 <p>The region has exactly the scale asked for, or nothing is written and the tool says why. No triangle is
 turned over: no lines cross that did not cross before, and polygons stay valid. Where the end or a point
 of one line lies on another without being a point of it, or lines cross, the line gets a point there, so
-that they stay together. The numbers tell how much the triangles of the polygons are distorted: the
-change of angles that half, and 95 %, of the area do not exceed.</p>
+that they stay together. This is tested exactly, where the points will be, before anything is written.
+Squares, as rasters have them, stay convex besides, unless the log tells how many do not. The numbers
+tell how much the triangles of the polygons are distorted: the change of angles that half, and 95 %, of
+the area do not exceed.</p>
 <h3>Method</h3>
 <p>J.-H. Haunert and L. Sering, Drawing Road Networks with Focus Regions, 2011; relevant edges: J.-H.
 Haunert and W. Meulemans, Partitioning Polygons via Graph Augmentation, GIScience 2016, section 5.1;
@@ -235,7 +237,8 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
                 QgsProcessing.SourceType.TypeVectorAnyGeometry,
                 optional=True,
             ),
-            "Rivers, towns, labels: deformed as the map around them.",
+            "Rivers, towns, labels: deformed as the map around them. Lines get points where the map bends "
+            "them.",
         )
         add(
             QgsProcessingParameterFeatureSink(self.OUTPUT, "Focus map"),

@@ -24,7 +24,7 @@ from qgis.core import (
 )
 
 from ...core.errors import Cancelled, IsthmusError, Sentence
-from ...core.focus.carrying import Carrier
+from ...core.focus.carrying import Carrier, carried
 from ...core.focus.enlarge import enlarge
 from ...core.focus.globe import is_on_the_globe, on_the_globe
 from ...core.focus.graph import match
@@ -40,6 +40,8 @@ from ..partition.cutting import NATURAL
 from ..partition.solving import degrees_of
 from ..words import as_sentence, spoken, tr
 from .focus_map import EDGE_FIELDS
+
+AT_ONCE = 200_000  # points of further layers that are carried together
 
 
 def _rule(tool, parameters, context):
@@ -66,7 +68,7 @@ def run(tool, parameters, context, feedback):
     _tell(feedback, result)
     crs = source.sourceCrs()
     with Sinks(tool, parameters, context, feedback) as sinks:
-        _write(tool, sinks, source, given, result)
+        _write(tool, sinks, source, given, result, feedback)
         _write_edges(tool, sinks, crs, result)
         answer = _carry(tool, parameters, context, crs, result, feedback)
         feedback.setProgress(100)
@@ -183,6 +185,12 @@ def _tell(feedback, result):
         feedback.pushWarning(tr("... and for {} more.").format(len(result.skipped) - 20))
     width, height = (100.0 * (result.growth - 1.0)).tolist()
     feedback.pushInfo(tr("The map becomes {:.0f} % wider and {:.0f} % higher.").format(width, height))
+    if result.dented:
+        feedback.pushInfo(
+            tr("{} squares are no longer convex, as there was no room. Nothing crosses there.").format(
+                result.dented
+            )
+        )
     if len(result.splits):
         feedback.pushInfo(
             tr("{} points were put into lines where others meet or cross them.").format(len(result.splits))
@@ -231,7 +239,8 @@ def _given(tool, parameters, context, crs, rows, feedback):
     return found[good]
 
 
-def _write(tool, sinks, source, given, result):
+def _write(tool, sinks, source, given, result, feedback):
+    spoiled = []
     kind = QgsWkbTypes.linearType(source.wkbType())
     sinks.open(tool.OUTPUT, source.fields(), kind, source.sourceCrs())
     start = 0
@@ -247,8 +256,23 @@ def _write(tool, sinks, source, given, result):
         geometry = feature.geometry()
         if count:
             geometry = one.moved(result.rows[start : start + count], list(splits))
+            if not _is_valid(geometry) and _is_valid(feature.geometry()):
+                spoiled.append(feature.id())
         start += count
         sinks.add(tool.OUTPUT, geometry, feature.attributes(), Sentence("feature {}", feature.id()))
+    if spoiled:
+        feedback.pushWarning(
+            tr(
+                "No longer valid, since they are narrower than 1e-10 of the map's width where others meet "
+                "them (Fix geometries mends them): feature {}."
+            ).format(", ".join(map(str, spoiled[:10])) + " ..." * (len(spoiled) > 10))
+        )
+
+
+def _is_valid(geometry):
+    if geometry.type() != QgsWkbTypes.GeometryType.PolygonGeometry:
+        return True
+    return shapely.is_valid(shapely.from_wkb(bytes(_straight(geometry).asWkb()), on_invalid="ignore"))
 
 
 def _write_edges(tool, sinks, crs, result):
@@ -307,25 +331,19 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
         raise QgsProcessingException(tr("{} cannot be written: {}").format(path, writer.errorMessage()))
     transform = QgsCoordinateTransform(layer.crs(), crs, context.transformContext())
     count, lost = 0, []
-    for feature in layer.getFeatures():
-        count += 1
-        geometry = feature.geometry()
-        if not geometry.isNull():
-            try:
-                geometry.transform(transform)
-                one = wkb.Runs(geometry)
-                placed = np.isfinite(one.xy).all()
-            except QgsCsException:
-                placed = False
-            if not placed:
+    for features, runs in _batches(layer, transform, feedback):
+        count += len(features)
+        lost += [feature.id() for feature, one in zip(features, runs) if one is None]
+        moved = carried(carrier, [one for one in runs if one and one.counts])
+        for feature, one in zip(features, runs):
+            if one is None:
                 feature.clearGeometry()
-                lost.append(feature.id())
             elif one.counts:
-                feature.setGeometry(one.moved(carrier(one.xy)))
-        if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-            raise QgsProcessingException(
-                tr("A feature of {} could not be written: {}").format(name, writer.errorMessage())
-            )
+                feature.setGeometry(next(moved))
+            if not writer.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
+                raise QgsProcessingException(
+                    tr("A feature of {} could not be written: {}").format(name, writer.errorMessage())
+                )
     del writer
     if lost:
         feedback.pushWarning(
@@ -341,10 +359,35 @@ def _carry_layer(layer, name, path, action, crs, carrier, context, feedback):
         )
     details = QgsProcessingContext.LayerDetails(name, context.project(), name)
     if context.project() is not None:
-        carried = QgsVectorLayer(address, name, "ogr")
-        context.temporaryLayerStore().addMapLayer(carried)
-        context.addLayerToLoadOnCompletion(carried.id(), details)
+        written = QgsVectorLayer(address, name, "ogr")
+        context.temporaryLayerStore().addMapLayer(written)
+        context.addLayerToLoadOnCompletion(written.id(), details)
     return address
+
+
+def _batches(layer, transform, feedback):
+    """Features of a layer, many at a time, and their points; None of what has no place in the map."""
+    features, runs, size = [], [], 0
+    for feature in layer.getFeatures():
+        if feedback.isCanceled():
+            return
+        geometry = feature.geometry()
+        try:
+            if not geometry.isNull():
+                geometry.transform(transform)
+            one = wkb.Runs(geometry)
+        except QgsCsException:
+            one = None
+        if one and not np.isfinite(one.xy).all():
+            one = None
+        features.append(feature)
+        runs.append(one)
+        size += 1 + (sum(one.counts) if one else 0)
+        if size > AT_ONCE:
+            yield features, runs
+            features, runs, size = [], [], 0
+    if features:
+        yield features, runs
 
 
 def _discard(path):

@@ -25,11 +25,12 @@ from ...core.errors import Sentence
 from ..words import spoken, tr
 
 # formats that keep every feature, and can be read
-READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".csv", ".fgb", ".sqlite")
+READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".dbf", ".csv", ".fgb", ".sqlite")
 # what belongs to a file besides the file itself
 BESIDE = ("-journal", "-wal", "-shm")
 SIDECARS = {
     ".shp": (".shx", ".dbf", ".prj", ".cpg", ".qpj", ".qmd", ".qix", ".sbn", ".sbx"),
+    ".dbf": (".cpg",),
     ".tab": (".dat", ".map", ".id", ".ind"),
     ".gml": (".xsd", ".gfs"),
 }
@@ -63,6 +64,35 @@ def overwriting(tool, parameters, context):
                     name, what, file, layer
                 )
         taken[file, table] = tr("the result {}").format(definition.name())
+    return ""
+
+
+def unwritable(tool, parameters):
+    """Return a sentence about a result that cannot be written where it is wanted, or ''.
+
+    Some tools compute for minutes before they write.
+    """
+    for definition in tool.parameterDefinitions():
+        if not definition.isDestination():
+            continue
+        is_layer = isinstance(definition, QgsProcessingParameterFeatureSink)
+        file, _ = _place_written(parameters.get(definition.name()), is_layer)
+        if file is None:
+            continue
+        folder = Path(file).parent
+        while not folder.exists():  # QGIS may make it
+            folder = folder.parent
+        if not folder.is_dir():
+            reason = tr("{} is no folder").format(folder)
+        elif os.path.exists(file) and not os.access(file, os.W_OK):
+            reason = tr("the file there may not be changed")
+        elif not os.access(folder, os.W_OK):
+            reason = tr("nothing may be written to the folder {}").format(folder)
+        else:
+            continue
+        return tr("{} cannot be written to {}: {}. Choose another place.").format(
+            definition.name(), file, reason
+        )
     return ""
 
 
@@ -131,7 +161,7 @@ class Sinks:
     def __init__(self, tool, parameters, context, feedback):
         self.tool, self.parameters = tool, parameters
         self.context, self.feedback = context, feedback
-        problem = overwriting(tool, parameters, context)
+        problem = overwriting(tool, parameters, context) or unwritable(tool, parameters)
         if problem:
             raise QgsProcessingException(problem)
         self.destinations, self.fields = {}, {}
@@ -143,10 +173,21 @@ class Sinks:
 
         Several results may come of one feature, so the primary key is made anew.
         """
-        sink, destination = self.tool.parameterAsSink(
-            self.parameters, name, self.context, fields, wkb_type, crs,
-            QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
-        )  # fmt: skip
+        file, _ = _place_written(self.parameters.get(name), True)
+        is_new = file is not None and not os.path.exists(file)
+        try:
+            sink, destination = self.tool.parameterAsSink(
+                self.parameters, name, self.context, fields, wkb_type, crs,
+                QgsFeatureSink.SinkFlag.RegeneratePrimaryKey,
+            )  # fmt: skip
+        except QgsProcessingException as error:
+            if is_new:  # a disk that is full leaves its beginning
+                _remove_files(Path(file))
+            if file is None or os.path.isdir(os.path.dirname(file)):
+                raise
+            raise QgsProcessingException(
+                tr("{} cannot be written to {}: there is no such folder. {}").format(name, file, error)
+            ) from error
         if sink is not None:
             self._sinks[name], self.fields[name] = sink, fields
             self.destinations[name], self._written[name] = destination, 0
@@ -161,15 +202,18 @@ class Sinks:
 
         ``origin`` says in a few words what the feature is a result of.
         """
-        sink, feature = self._sinks[name], QgsFeature(self.fields[name])
+        # only a layer that was there before asks for fields by name. Never one feature again: where all
+        # values are the same but for some 1e-12, setAttributes leaves the old ones
+        feature = QgsFeature(self.fields[name]) if name in self._held else QgsFeature()
         if geometry is not None:
             feature.setGeometry(geometry)
-        # Qt takes no subclass of str for a text
-        feature.setAttributes([str(value) if isinstance(value, Sentence) else value for value in values])
+        if Sentence in map(type, values):  # Qt takes no subclass of str for a text
+            values = [str(value) if isinstance(value, Sentence) else value for value in values]
+        feature.setAttributes(values)
         if name in self._held:
             self._held[name].append(feature)
-        elif not sink.addFeature(feature, _FAST):
-            raise QgsProcessingException(_not_written(sink, origin))
+        elif not self._sinks[name].addFeature(feature, _FAST):
+            raise QgsProcessingException(_not_written(self._sinks[name], origin))
         self._written[name] += 1
 
     def write_text(self, path, text):
@@ -209,6 +253,8 @@ class Sinks:
             return True
         if path.suffix.lower() == ".shp":
             return _is_whole_shapefile(path, self._written[name])
+        if path.suffix.lower() == ".dbf":
+            return _is_whole_table(path, self._written[name])
         with _quiet() as gdal:
             source = gdal.OpenEx(str(path), gdal.OF_VECTOR)
             table = source and (source.GetLayerByName(layer) if layer else source.GetLayer(0))
@@ -247,8 +293,10 @@ def _not_written(sink, origin=""):
 
 def _path(destination):
     """The file of a destination; None for one in memory or in a database."""
-    path = destination.partition("|")[0]
-    return Path(path) if os.path.isfile(path) else None
+    path = Path(destination.partition("|")[0])
+    if path.suffix.lower() == ".shp" and not path.is_file():  # a table without geometry
+        path = path.with_suffix(".dbf")
+    return path if path.is_file() else None
 
 
 def _is_whole_shapefile(path, count):
@@ -259,18 +307,24 @@ def _is_whole_shapefile(path, count):
     files = [path, path.with_suffix(".shx"), path.with_suffix(".dbf")]
     if not all(file.is_file() for file in files):
         return False
-    heads, sizes = [], [file.stat().st_size for file in files]
-    for file in files:
-        with open(file, "rb") as stream:
-            heads.append(stream.read(32).ljust(32, b"\0"))
-    words, index_words = (struct.unpack_from(">i", head, 24)[0] for head in heads[:2])
-    records, start, length = struct.unpack_from("<IHH", heads[2], 4)
+    sizes = [file.stat().st_size for file in files]
+    words, index_words = (struct.unpack_from(">i", _head(file), 24)[0] for file in files[:2])
     return (
         sizes[0] >= 2 * words > 0
         and sizes[1] >= 2 * index_words >= 100 + 8 * count
-        and records >= count
-        and sizes[2] >= start + records * length > 0
+        and _is_whole_table(files[2], count)
     )
+
+
+def _is_whole_table(path, count):
+    """The same of its table."""
+    records, start, length = struct.unpack_from("<IHH", _head(path), 4)
+    return records >= count and path.stat().st_size >= start + records * length > 0
+
+
+def _head(path):
+    with open(path, "rb") as stream:
+        return stream.read(32).ljust(32, b"\0")
 
 
 def _layer_name(destination):
@@ -314,6 +368,10 @@ def _remove(destination):
                 if layer in names:
                     source.DeleteLayer(names.index(layer))
                 return
+    _remove_files(path)
+
+
+def _remove_files(path):
     others = [path.with_suffix(end) for end in SIDECARS.get(path.suffix.lower(), ())]
     for file in [path, *others, *(Path(f"{path}{end}") for end in BESIDE)]:
         file.unlink(missing_ok=True)

@@ -34,13 +34,12 @@ def read_polygons(geometries):
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
         abstract = _straight(geometry)
-        own_extra, is_polygon, multi = _facts(
+        own_extra, is_polygon, multi, _ = _facts(
             QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
         )
         extra.append(own_extra)
         if is_polygon:
-            data = bytes(abstract.asWkb())
-            counts = _find_rings(data, multi, wkb.width(extra[-1]), runs)
+            counts = _find_rings(bytes(abstract.asWkb()), multi, wkb.width(own_extra), runs)
             owner += [number] * len(counts)
             ring_counts += counts
     coords, offsets = _without_closing(*_coordinates(runs))
@@ -62,7 +61,7 @@ def _straight(geometry):
     if geometry.isNull() or geometry.isEmpty():
         return None
     abstract = geometry.constGet()
-    return abstract.segmentize() if QgsWkbTypes.isCurvedType(abstract.wkbType()) else abstract
+    return abstract.segmentize() if _facts(abstract.wkbType())[3] else abstract
 
 
 def _find_rings(data, multi, size, runs):
@@ -115,9 +114,14 @@ def _without_closing(coords, offsets):
 
 @lru_cache(maxsize=None)  # asked for every feature, and QGIS takes its time for each of its answers
 def _facts(wkb_type):
-    """The `dimensions` of a type, whether it is of polygons, and whether of several."""
+    """The `dimensions` of a type, whether it is of polygons, whether of several, and whether of curves."""
     single = QgsWkbTypes.flatType(QgsWkbTypes.singleType(wkb_type))
-    return dimensions(wkb_type), single == QgsWkbTypes.Type.Polygon, QgsWkbTypes.isMultiType(wkb_type)
+    return (
+        dimensions(wkb_type),
+        single == QgsWkbTypes.Type.Polygon,
+        QgsWkbTypes.isMultiType(wkb_type),
+        QgsWkbTypes.isCurvedType(wkb_type),
+    )
 
 
 def dimensions(wkb_type):

@@ -88,7 +88,7 @@ class Told:
 
     def reason(self, feature, verdicts, feedback):
         """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
-        reasons = reasons_of(feature, verdicts)
+        reasons = reasons_of(feature, verdicts) if not verdicts or any(verdicts) else ()
         if reasons:
             self.skipped += 1
             said = "; ".join(map(spoken, reasons))
@@ -191,14 +191,15 @@ class _Writer:
         more = repeat([])
         if self.extra_values is not None:
             more = self.extra_values(problem, solution)
-        values = zip(cost.tolist(), gap.tolist(), more)
+        values = zip(cost.tolist(), gap.tolist(), some.tolist(), more)
         nothing = [NULL] * len(tool.extra_fields)
-        for f, (feature, (own_cost, own_gap, more)) in enumerate(zip(chunk.features, values)):
-            check(f / len(chunk.features) if f % 8 == 0 else None)
+        for f, (feature, (own_cost, own_gap, is_solved, more)) in enumerate(zip(chunk.features, values)):
+            if f % 8 == 0:
+                check(f / len(chunk.features))
             lo, hi = bounds[f], bounds[f + 1]
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
             attributes, origin = feature.attributes(), Sentence("feature {}", feature.id())
-            if not some[f]:  # nothing solved: the feature as it is
+            if not is_solved:  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
                 part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
@@ -228,10 +229,7 @@ class _Writer:
     def _cuts(self, problem, solution, found):
         """Name of the layer; the feature of each cut, the last one first; geometries and values."""
         chosen, fields = cuts(problem, solution, found)
-        values = (
-            [length, _or_null(detour), *parts, _or_null(share)]
-            for length, detour, *parts, share in zip(*(x.tolist() for x in fields.values()))
-        )
+        values = map(list, zip(*map(_or_nulls, fields.values())))
         return self._lines(self.tool.CUTS, problem, solution, chosen, values)
 
     def _diagonals(self, problem, solution, own):
@@ -239,14 +237,12 @@ class _Writer:
         if not self.with_diagonals:
             return None
         chosen = np.flatnonzero(own)
-        values = (
-            [length, _or_null(detour), dilation, ROLES[role]]
-            for length, detour, dilation, role in zip(
-                *(
-                    x[chosen].tolist()
-                    for x in (solution.length, solution.detour, solution.dilation, solution.role)
-                )
-            )
+        values = map(
+            list,
+            zip(
+                *(_or_nulls(x[chosen]) for x in (solution.length, solution.detour, solution.dilation)),
+                [ROLES[role] for role in solution.role[chosen].tolist()],
+            ),
         )
         return self._lines(self.tool.DIAGONALS, problem, solution, chosen, values)
 
@@ -290,5 +286,6 @@ def report_short(feedback, short):
         )
 
 
-def _or_null(value):
-    return value if math.isfinite(value) else NULL
+def _or_nulls(values):
+    """The values, with NULL for what is not finite."""
+    return [value if math.isfinite(value) else NULL for value in values.tolist()]

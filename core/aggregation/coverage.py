@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from ..metric import Metric
-from ..rings import Rings, groups, offsets_of, signed_areas, starts, take
+from ..rings import Rings, cycles, groups, offsets_of, signed_areas, starts, take
 from ..rings import following as next_in_ring
 from ..rings import shapes as shapes_of_rings
 
@@ -635,18 +635,9 @@ def shapes(coverage: Coverage, count: int | None = None) -> np.ndarray:
     result = np.full(count, shapely.Polygon(), dtype=object)
     if not len(rows):
         return result
-    lines = shapely.linearrings(coverage.coords[rows, :2], indices=ring)
-    owner = coverage.ring_polygon[good]
-    first = np.append(True, owner[1:] != owner[:-1])
-    holes = np.flatnonzero(~first)
-    made = shapely.polygons(lines[first])
-    if len(holes):
-        shells = np.cumsum(first) - 1
-        with_holes = np.unique(shells[holes])
-        bounds = np.append(np.flatnonzero(first), len(owner))
-        for s in with_holes.tolist():
-            made[s] = shapely.polygons(lines[bounds[s]], lines[bounds[s] + 1 : bounds[s + 1]])
-    result[owner[first]] = made
+    lines, owner = shapely.linearrings(coverage.coords[rows, :2], indices=ring), coverage.ring_polygon[good]
+    its = np.append(True, owner[1:] != owner[:-1])
+    result[owner[its]] = shapely.polygons(lines, indices=np.cumsum(its) - 1)
     return result
 
 
@@ -698,27 +689,29 @@ def joined(coverage: Coverage, label: np.ndarray) -> dict[int, list[list[np.ndar
     for k in np.flatnonzero(several > 1).tolist():
         after[k] = _next_around(coverage, kept, k, range(low[k], low[k] + several[k]))
 
-    seen = np.zeros(len(kept), dtype=bool)
-    labels, following = own[kept].tolist(), after.tolist()
-    tail = coverage.tail[kept].tolist()
-    rings = {}
+    seen, following = [False] * len(kept), after.tolist()
+    walks, lengths = [], []
     for first in range(len(kept)):
         if seen[first]:
             continue
-        walk, k = [], first
+        before, k = len(walks), first
         while not seen[k]:
             seen[k] = True
-            walk.append(k)
+            walks.append(k)
             k = following[k]
-        rings.setdefault(labels[first], []).extend(_simple(walk, tail))
-    one_of = [one for one, cycles in rings.items() for _ in cycles]
-    cycles = [cycle for its in rings.values() for cycle in its]
-    if not cycles:
+        lengths.append(len(walks) - before)
+    walk = np.array(walks)
+    place, offsets, _ = cycles(coverage.tail[kept[walk]], offsets_of(lengths))
+    if not len(place):
         return result
-    for which, *ring in _corners(coverage, kept[np.concatenate(cycles)], [len(cycle) for cycle in cycles]):
+    pieces = kept[walk[place]]
+    one_of = own[pieces[offsets[:-1]]].tolist()
+    for which, *ring in _corners(coverage, pieces, offsets):
         result.setdefault(one_of[which], []).append(ring)
-    result = {one: _nest(coverage, its) for one, its in result.items()}
-    return {one: polygons for one, polygons in result.items() if polygons}
+    nested = {one: _nest(coverage, its) for one, its in result.items()}
+    nested = {one: polygons for one, polygons in nested.items() if polygons}
+    good = _uncrossed(coverage, list(nested.values()))
+    return {one: polygons for (one, polygons), fine in zip(nested.items(), good.tolist()) if fine}
 
 
 def _next_around(coverage, kept, k, choices):
@@ -738,26 +731,8 @@ def _next_around(coverage, kept, k, choices):
     return best[1]
 
 
-def _simple(walk, tail):
-    """Split a closed walk where it meets itself."""
-    stack, depth, cycles = [], {}, []
-    for k in walk:
-        v = tail[k]
-        if v in depth:
-            base = depth[v]
-            cycles.append(stack[base:])
-            for passed in stack[base:]:
-                del depth[tail[passed]]
-            del stack[base:]
-        depth[v] = len(stack)
-        stack.append(k)
-    cycles.append(stack)
-    return [cycle for cycle in cycles if len(cycle) > 2]
-
-
-def _corners(coverage, pieces, count):
+def _corners(coverage, pieces, offsets):
     """The rings of closed walks: which walk, area, rows; points that only cut an edge are dropped."""
-    offsets = offsets_of(count)
     edge = coverage.edge[pieces]
     before = np.roll(edge, 1)
     before[offsets[:-1]] = edge[offsets[1:] - 1]
@@ -771,7 +746,7 @@ def _corners(coverage, pieces, count):
 
 
 def _nest(coverage, rings):
-    """Rings, by their area and rows, as shells with their holes; none where they cross."""
+    """Rings, by their area and rows, as shells with their holes; none where there is no shell."""
     rings = sorted(rings, key=lambda ring: -abs(ring[0]))
     shells = [ring for ring in rings if ring[0] > 0.0]
     holes = [ring for ring in rings if not ring[0] > 0.0]
@@ -780,12 +755,22 @@ def _nest(coverage, rings):
     polygons = [[rows] for _, rows in shells]
     for (_, rows), k in zip(holes, _shells_around(coverage, shells, holes)):
         polygons[k].append(rows)
-    # where the input overlaps, rings may cross
-    made = [
-        shapely.Polygon(coverage.coords[shell, :2], [coverage.coords[h, :2] for h in own])
-        for shell, *own in polygons
-    ]
-    return polygons if shapely.is_valid(shapely.MultiPolygon(made)) else []
+    return polygons
+
+
+def _uncrossed(coverage, nested):
+    """Whether the polygons of each region are valid: where the input overlaps, rings may cross."""
+    if not nested:
+        return np.zeros(0, dtype=bool)
+    polygons = [polygon for its in nested for polygon in its]
+    rings = [ring for polygon in polygons for ring in polygon]
+    made = shapes_of_rings(
+        coverage.coords[np.concatenate(rings), :2],
+        offsets_of([len(ring) for ring in rings]),
+        offsets_of([len(polygon) for polygon in polygons]),
+    )
+    several = np.repeat(np.arange(len(nested)), [len(its) for its in nested])
+    return shapely.is_valid(shapely.multipolygons(made, indices=several))
 
 
 def _shells_around(coverage, shells, holes):

@@ -613,7 +613,7 @@ class _Part:
                     seen.add(part)
                     around = {s for v in part for s in self.adjacent[v]} - part
                     if u not in part and u not in around:  # who is in here comes through those
-                        ahead, inside = facing(self.adjacent, u, around, part), part
+                        ahead, inside = facing(self.adjacent, u, around), part
                     elif u in part and not enough(self.size[list(part)].sum(), self.theta[j]):
                         ahead, inside = around, (u,)  # too small: it goes on somewhere
                     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from math import sqrt
+from math import hypot, sqrt
 from typing import Callable
 
 import numpy as np
@@ -25,6 +25,7 @@ from .instance import (
 __all__ = ["adjacency", "best_split", "greedy", "helpless", "reach_count"]
 
 FEW = 24  # areas from which arrays are quicker than a loop
+NEARLY = 1.0 + 1e-9
 
 
 def helpless(problem: Instance) -> np.ndarray:
@@ -105,18 +106,22 @@ def greedy(problem: Instance, check: Callable | None = None) -> Solution:
     grown = _Growing(problem)
     size, least, core = grown.size, grown.least, grown.core
     alive = (~lost).tolist()
-    heap = [(size[v], v) for v in range(n) if alive[v] and size[v] < least[v]]
-    heapq.heapify(heap)
-    whole, steps = len(heap) or 1, 0
-    while heap:
-        weight, r = heapq.heappop(heap)
+    # single areas wait in a sorted list, and only regions that grew in a heap: it stays small
+    single = sorted([(size[v], v) for v in range(n) if alive[v] and size[v] < least[v]], reverse=True)
+    heap: list[tuple[float, int]] = []
+    whole, steps = len(single) or 1, 0
+    while single or heap:
+        if not heap or (single and single[-1] < heap[0]):
+            weight, r = single.pop()
+        else:
+            weight, r = heapq.heappop(heap)
         if not alive[r] or weight != size[r] or weight >= least[core[r]] or not grown.beside[r]:
             continue
         steps += 1
         if check is not None and steps % 256 == 0:
             check(min(1.0, steps / whole))
-        s = grown.cheapest(r)
-        grown.join(r, s)
+        s, share = grown.cheapest(r)
+        grown.join(r, s, share)
         alive[r] = False
         if size[s] < least[core[s]]:
             heapq.heappush(heap, (size[s], s))
@@ -130,7 +135,8 @@ class _Growing:
     """Regions that only grow, in plain lists: most are so small that arrays would cost more.
 
     ``cost`` is what the areas of a region cost under its core, ``moment`` the sum of their size times
-    place, ``by_class`` their size by class, ``beside`` the boundary to each neighbouring region.
+    place, ``width`` that of their size times the root of their spread, ``by_class`` their size by class,
+    ``beside`` the boundary to each neighbouring region.
     """
 
     def __init__(self, problem):
@@ -141,11 +147,12 @@ class _Growing:
         self.area = problem.size.tolist()
         self.to = (problem.change * problem.distance).T.tolist()  # the price of a class, by the other one
         self.least = enough_from(problem.theta)[problem.cls].tolist()
-        self.excludes = bool(np.isinf(problem.theta).any())
+        self.excludes = bool(np.isinf(problem.theta[problem.cls[problem.neighbour]]).any())
         self.core = list(range(n))
         self.members = [[v] for v in range(n)]
         self.cost = each_share(problem, np.arange(n), np.arange(n)).tolist()
         self.moment = (problem.size * problem.place).tolist()
+        self.width = (problem.size * np.sqrt(problem.spread)).tolist()
         self.by_class = [{c: w} for c, w in zip(self.cls, self.size)]
         start = problem.start.tolist()
         neighbour, length = problem.neighbour.tolist(), problem.length.tolist()
@@ -164,39 +171,48 @@ class _Growing:
         return total
 
     def cheapest(self, r):
-        """The neighbouring region that r joins at least cost."""
-        problem, around, areas = self.problem, self.beside[r], self.members[r]
-        saved = around
-        if problem.by_class:  # joining s removes the boundary to all neighbours of its class
+        """The neighbouring region that r joins at least cost, and what the areas of r cost there."""
+        around, areas, core = self.beside[r], self.members[r], self.core
+        if len(around) == 1:  # as an area in another one: nearly half of them
+            (s,) = around
+            return s, self.shares(areas, core[s])
+        boundary, saved = self.problem.boundary, around
+        if self.problem.by_class:  # joining s removes the boundary to all neighbours of its class
             lengths = {}
             for s, length in around.items():
-                kept = self.cls[self.core[s]]
+                kept = self.cls[core[s]]
                 lengths[kept] = lengths.get(kept, 0.0) + length
-            saved = {s: lengths[self.cls[self.core[s]]] for s in around}
-        costs = [(self.shares(areas, self.core[s]) - problem.boundary * saved[s], s) for s in around]
+            saved = {s: lengths[self.cls[core[s]]] for s in around}
+        there = {s: self.shares(areas, core[s]) for s in around}
+        costs = [(share - boundary * saved[s], s) for s, share in there.items()]
         if self.excludes:  # an excluded class is the last resort: its own turn to join comes later
-            excluded = [self.least[self.core[s]] == math.inf for s in around]
+            excluded = [self.least[core[s]] == math.inf for s in around]
             more = sum(abs(cost) for cost, _ in costs)
             costs = [(cost + more * last, s) for (cost, s), last in zip(costs, excluded)]
-        return min(costs)[1]
+        s = min(costs)[1]
+        return s, there[s]
 
-    def join(self, r, s):
-        """Region r becomes a part of s; the core is the cheaper of both, if that is large enough."""
-        self._choose_core(r, s)
-        if len(self.members[r]) > len(self.members[s]):
-            self.members[r], self.members[s] = self.members[s], self.members[r]
-        self.members[s] += self.members[r]
-        self.members[r] = []
+    def join(self, r, s, share):
+        """Region r becomes a part of s, where it costs a share; the core is the cheaper of both, if that
+        is large enough.
+        """
+        self._choose_core(r, s, share)
+        members, by_class, beside = self.members, self.by_class[s], self.beside
+        if len(members[r]) > len(members[s]):
+            members[r], members[s] = members[s], members[r]
+        members[s] += members[r]
+        members[r] = []
         self.size[s] += self.size[r]
         self.moment[s] += self.moment[r]
+        self.width[s] += self.width[r]
         for kept, size in self.by_class[r].items():
-            self.by_class[s][kept] = self.by_class[s].get(kept, 0.0) + size
-        beside = self.beside
-        del beside[s][r]
-        for t, shared in beside[r].items():
-            if t != s:
-                del beside[t][r]
-                beside[t][s] = beside[s][t] = beside[s].get(t, 0.0) + shared
+            by_class[kept] = by_class.get(kept, 0.0) + size
+        around, others = beside[s], beside[r]
+        del around[r], others[s]
+        for t, shared in others.items():
+            its = beside[t]
+            del its[r]
+            its[s] = around[t] = around.get(t, 0.0) + shared
         beside[r] = {}
 
     def _rank(self, size, core):
@@ -204,20 +220,23 @@ class _Growing:
         least = self.least[core]
         return 0 if size >= least else 1 if least < math.inf else 2
 
-    def _choose_core(self, r, s):
+    def _choose_core(self, r, s, share):
         total = self.size[r] + self.size[s]
         u, v = self.core[r], self.core[s]
         ranks = [self._rank(total, u), self._rank(total, v)]
-        stays = self.cost[s] + self.shares(self.members[r], v)
+        stays = self.cost[s] + share
         if ranks[0] > ranks[1]:
             self.cost[s] = stays
             return
         if ranks[0] == ranks[1]:
-            # no areas are nearer to a place than their centroid
-            price = self.to[self.cls[u]]
-            least = self.cost[r] + self.problem.centre * abs(self.moment[s] - self.size[s] * self.place[u])
-            least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
-            if least > stays:
+            # no areas are nearer to a place than all of them would be in their centroid, each as wide as
+            # it is; what is as near as rounding must be measured
+            away = abs(self.moment[s] - self.size[s] * self.place[u])
+            least = self.cost[r] + self.problem.centre * hypot(away, self.width[s])
+            if least <= NEARLY * stays:
+                price = self.to[self.cls[u]]
+                least += sum([size * price[kept] for kept, size in self.by_class[s].items()])
+            if least > NEARLY * stays:
                 self.cost[s] = stays
                 return
         goes = self.cost[r] + self.shares(self.members[s], u)

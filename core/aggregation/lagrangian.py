@@ -61,16 +61,16 @@ class _Prices(NamedTuple):
     lack: float
 
 
-def facing(adjacent: list[list[int]], u: int, around: set[int], part: set[int]) -> set[int]:
-    """The areas around a part that are reached from u: who is in the part comes through those.
+def facing(adjacent: list[list[int]], u: int, around: set[int]) -> set[int]:
+    """Those of all areas around a part that are reached from u: who is in the part comes through them.
 
-    They separate it from u, as in the cuts of Oehrlein and Haunert (2017).
+    They separate it from u, which is none of them, as in the cuts of Oehrlein and Haunert (2017).
 
     Examples
     --------
     Five areas in a row: who is in the part {3} and comes from the first one comes through the third.
 
-    >>> facing([[1], [0, 2], [1, 3], [2, 4], [3]], 0, around={2, 4}, part={3})
+    >>> facing([[1], [0, 2], [1, 3], [2, 4], [3]], 0, around={2, 4})
     {2}
     """
     reached, stack, found = {u}, [u], set()
@@ -78,7 +78,7 @@ def facing(adjacent: list[list[int]], u: int, around: set[int], part: set[int]) 
         for s in adjacent[stack.pop()]:
             if s in around:
                 found.add(s)
-            elif s not in reached and s not in part:
+            elif s not in reached:
                 reached.add(s)
                 stack.append(s)
     return found
@@ -273,7 +273,7 @@ class _Network:
             around = {s for v in group.tolist() for s in adjacent[v]} - set(group.tolist())
             share = np.maximum(-weight[group], 0.0)
             paid[group] += share / share.sum() * gain * step
-            paid[list(facing(adjacent, u, around, set(group.tolist())))] -= gain * step
+            paid[list(facing(adjacent, u, around))] -= gain * step
             changed = True
         given = float(give @ areas) - lack
         if given < -1e-9 * lack:

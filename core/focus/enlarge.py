@@ -14,7 +14,7 @@ from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
 from .measures import Distortion, distortion
-from .mesh import frame_triangles, node, others, turned
+from .mesh import crossed, frame_triangles, node, others, turned
 from .selection import select
 
 __all__ = ["FocusMap", "enlarge"]
@@ -27,6 +27,12 @@ DILATATION = 1.4  # of the ring around the focus, if the frame may grow as it sh
 LAND = 10.0  # how much stiffer polygons are than what is between them
 PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
 ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
+GAPS = (1e-6, 1e-4)  # of the map's width: what is narrower is not solved for, where the scale is not reached
+WHOLE = 20_000  # vertices that are solved for at last, if need be
+
+
+class NoRoom(Unsolvable):
+    """The scale was not reached."""
 
 
 class FocusMap(NamedTuple):
@@ -54,6 +60,9 @@ class FocusMap(NamedTuple):
     distortion : Distortion
     skipped : list of str
         Why some polygons got no relevant edges.
+    dented : int
+        Corners at which squares, or other polygons of points on a circle with nothing in them, are no longer
+        convex. Nothing crosses or folds there (see `mesh`).
     """
 
     rows: np.ndarray
@@ -67,6 +76,7 @@ class FocusMap(NamedTuple):
     growth: np.ndarray
     distortion: Distortion
     skipped: list
+    dented: int
 
 
 def enlarge(
@@ -182,14 +192,14 @@ def enlarge(
     points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
     skipped = []
     if scale == 1.0:
-        shift, chosen, bridges, size = np.zeros_like(mesh.xy), given, given[:0], np.ones(2)
+        shift, chosen, bridges, size, dented = np.zeros_like(mesh.xy), given, given[:0], np.ones(2), 0
     else:
 
         def choose(coarse, check):
             skipped.clear()  # an attempt may come again
             return _selected(coarse, graph, mesh.xy, starts, polygons, rule, tau, skipped, check)
 
-        shift, chosen, bridges, size = _moved(
+        shift, chosen, bridges, size, dented = _moved(
             mesh, noded, land, points, unit, given, choose if edges is None else None,
             scale, tau, frame, growth, most, stage,
         )  # fmt: skip
@@ -211,6 +221,7 @@ def enlarge(
         growth=size,
         distortion=distortion(mesh.xy, mesh.xy + shift, mesh.triangles[inside]),
         skipped=skipped,
+        dented=dented,
     )
 
 
@@ -243,9 +254,11 @@ def _units(rows, starts, aspect):
 
 
 def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, growth, most, stage):
-    """The shift of all vertices, the edges that are relevant, those that join islands, and the growth.
+    """The shift of all vertices, the edges that are relevant, those that join islands, the growth, and dents.
 
-    The detail is carried along; where that turns a triangle, more of it is solved for.
+    The detail is carried along. Where slivers are in the way, they are detail. Where that turns a triangle,
+    ours or of a square, more is solved for, at last all of a map that is not too large: while it is
+    solved for, no triangle turns whose corners are all there. Of ours none may be left.
     """
     xy = mesh.xy
     spare = others(xy, mesh.triangles, noded.edges)
@@ -253,23 +266,44 @@ def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, gr
     free[np.concatenate(mesh.side)] = False
     needed = np.zeros(len(xy), dtype=bool)
     needed[given.ravel()] = True
-    for _ in range(ATTEMPTS):
+    made, gap, full = [], 0.0, None
+    for rings in range(1, ATTEMPTS + 1):
+        if rings == ATTEMPTS > 1 and not gap and np.count_nonzero(mesh.removable) <= WHOLE:
+            needed[:] = True
         removable = mesh.removable & ~needed
-        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2))
+        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2), gap)
         chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
         chosen = unique_pairs(chosen, len(xy))
         solid = np.concatenate((coarse.edges, chosen))
-        shift, bridges, size = _solved(
-            mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
-        )
+        try:
+            shift, bridges, size = _solved(
+                mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
+            )
+        except NoRoom as problem:
+            full = full or problem
+            if rings == ATTEMPTS:
+                raise full from None
+            gap = GAPS[min(rings, len(GAPS)) - 1]  # slivers may be what stops it
+            continue
         check = stage(0.85, 0.95)
         _scale_exactly(mesh, shift, scale, frame)
         shift = reinsert(coarse, xy, shift, mesh.rigid, check)
         shift = stay_convex(xy, shift, mesh.triangles, spare, free, check)
-        bad = turned(points, points + unit * shift, mesh.triangles)  # where they will be, rounded
+        there = points + unit * shift  # where they will be, rounded
+        bad = turned(points, there, mesh.triangles) | crossed(points, there, mesh.triangles, noded.edges)
+        dents = spare[turned(points, there, spare)]
         if not bad.any():
-            return shift, chosen, bridges, size
+            made.append((shift, chosen, bridges, size, len(np.unique(dents[:, 1]))))
+            if not len(dents):
+                return made[-1]
+        near = np.zeros(len(xy), dtype=bool)
+        near[dents] = True
+        for _ in range(rings):  # with what is around it, or the dent goes next door
+            near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
         needed[mesh.triangles[bad]] = True
+        needed |= near
+    if made:
+        return min(made, key=lambda one: one[-1])
     x, y = points[mesh.triangles[bad].min()]
     near = Sentence(
         "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
@@ -545,7 +579,7 @@ def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
             "Choose a smaller scale, a larger map around the region, or let the map grow",
             scale, math.floor(room * 100) / 100,
         )  # fmt: skip
-        raise Unsolvable(tight)
+        raise NoRoom(tight)
     shift = np.zeros((n, 2))
     shift[kept] = moved
     return shift, kept[bridges], size

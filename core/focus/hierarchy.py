@@ -53,6 +53,7 @@ def coarsen(
     rigid: np.ndarray,
     most: int,
     check: Callable,
+    gap: float = 0.0,
 ) -> Coarse:
     """Take out vertices of a triangulation, the smallest detail first.
 
@@ -73,6 +74,9 @@ def coarsen(
         Stop when no more than so many of the others among ``removable`` are left.
     check : callable
         Called with the share done; may raise `Cancelled`.
+    gap : float
+        If more than `TINY`: what is nearer than this counts as tiny, and goes across gaps, too, and along
+        edges of any length. Slivers of a map are then not solved for.
 
     Returns
     -------
@@ -102,17 +106,19 @@ def coarsen(
     alive = np.ones(n, dtype=bool)
     if np.count_nonzero(removable) <= most:
         rigid = np.zeros_like(rigid)  # a small map is solved for as it is
-    tolerance = TINY
+    tiny = max(gap, TINY)
+    tolerance = tiny
     while True:
         check(1.0 - np.count_nonzero(alive) / n)
         left = np.count_nonzero(alive & removable & ~rigid)
-        u, v = _ways(xy, triangles, edges, removable & alive, rigid, tolerance, rng)
+        narrow = gap > TINY and tolerance == tiny
+        u, v = _ways(xy, triangles, edges, removable & alive, rigid, tolerance, rng, narrow)
         goes = np.full(n, -1)
         goes[u[::-1]] = v[::-1]
         chosen = _independent(xy, triangles, goes, rng)
-        if left <= most and tolerance > TINY:
+        if left <= most and tolerance > tiny:
             chosen &= rigid
-        elif left - np.count_nonzero(chosen & ~rigid) < most and tolerance > TINY:
+        elif left - np.count_nonzero(chosen & ~rigid) < most and tolerance > tiny:
             some = np.flatnonzero(chosen & ~rigid)
             chosen[some[max(left - most, 0) :]] = False
         count = np.count_nonzero(chosen)
@@ -134,9 +140,9 @@ def coarsen(
             edges = unique_pairs(into[edges], n)
         enough = 0.03 * (len(u) if left <= most else np.count_nonzero(alive & removable))
         if count <= max(enough, 10):
-            if (left <= most and count == 0 and tolerance > TINY) or tolerance > 0.2:
+            if (left <= most and count == 0 and tolerance > tiny) or tolerance > 0.2:
                 break
-            tolerance = 1e-5 if tolerance == TINY else tolerance * 1.7
+            tolerance = max(1e-5, 1.7 * tiny) if tolerance == tiny else tolerance * 1.7
     while True:
         further = into[into]
         if np.array_equal(further, into):
@@ -144,7 +150,7 @@ def coarsen(
         into = further
 
 
-def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
+def _ways(xy, triangles, edges, free, rigid, tolerance, rng, narrow):
     """Vertices, and what they could go into without changing the map by more, in random order."""
     n = len(xy)
     both = np.concatenate((edges, edges[:, ::-1]))
@@ -171,10 +177,11 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
     t = (gap.real * along.real + gap.imag * along.imag) / np.maximum(square, 1e-300)
     gap -= np.clip(t, 0.0, 1.0) * along
     off = np.hypot(gap.real, gap.imag)
-    off[square > LONGEST**2] = np.inf
+    if not narrow:
+        off[square > LONGEST**2] = np.inf
     cost = np.hypot(side.real, side.imag)
     if len(several):
-        cost[several] = np.maximum.reduceat(off, first) + 0.02 * cost[several]
+        cost[several] = np.maximum.reduceat(off, first) + 0.02 * cost[several] * (not narrow)
     cost[rigid[u]] = 0.0
     # what is on no line goes anywhere
     lonely = free & (np.bincount(edges.ravel(), minlength=n) == 0)
@@ -183,6 +190,11 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
     rows = rows[lonely[rows[:, 0]]]
     ways = np.concatenate((both, rows))
     good = np.append(cost <= tolerance, np.ones(len(rows), dtype=bool))
+    if narrow:
+        rows = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        rows = rows[free[rows[:, 0]]]
+        rows = rows[np.abs(z[rows[:, 0]] - z[rows[:, 1]]) <= tolerance]
+        ways, good = np.concatenate((ways, rows)), np.append(good, np.ones(len(rows), dtype=bool))
     order = rng.permutation(len(ways))
     return ways[order[good[order]]].T
 

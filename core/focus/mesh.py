@@ -1,7 +1,15 @@
 """One triangulation of the whole frame: a map is carried by a piecewise linear map of it.
 
 Where every triangle keeps its orientation, and the outline of the frame goes to a rectangle, the
-piecewise linear map is one to one: nothing crosses, nests or folds that did not before.
+piecewise linear map is one to one: nothing crosses, nests or folds that did not before. (Around each inner
+vertex the triangles go around once, so the map is a local homeomorphism; its degree is one, as that of
+the outline is: Floater, One-to-one piecewise linear mappings over triangulations, 2003; Lipman, Bijective
+mappings of meshes with boundary and the degree in mesh processing, 2014.) The orientation is tested
+exactly, where the points will be, before there is a result (`turned`, `crossed`).
+
+That another triangulation of the same points keeps its orientation, too, is not needed for this, and
+does not follow: of a square, which is as good with either diagonal, a corner may go beyond the one that
+is not there. So that it does not, see `others`, is a matter of looks.
 """
 
 from __future__ import annotations
@@ -16,7 +24,7 @@ from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
-__all__ = ["Noded", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
+__all__ = ["Noded", "crossed", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
 
 TOO_FINE = Sentence("the map could not be triangulated (too fine for double precision)")
 SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
@@ -290,8 +298,10 @@ def others(xy: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarr
 
     Of a square each diagonal is as good as the other, and a map of many squares, as made from a raster,
     has many Delaunay triangulations: each triangulates the polygons of points on a circle in its way. A
-    piecewise linear map of one may turn triangles of another. It turns none if these polygons stay
-    convex, which three corners in sequence tell.
+    piecewise linear map of one may turn triangles of another. It turns none if and only if these polygons
+    stay convex: the map is one to one, so each of them stays a simple polygon, and that is convex if it turns
+    left at each corner, which is what three corners in sequence tell. Then each triangle of its corners is
+    upright.
 
     Parameters
     ----------
@@ -372,6 +382,50 @@ def turned(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, flat: f
     found = np.zeros(len(triangles), dtype=bool)
     least = max(flatness(before, flat), flatness(after, 0.0))
     found[wrong] = heights(before, triangles[wrong]) > least
+    return found
+
+
+def crossed(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return which turned triangles, flat ones included, have edges that cross in them, and did not; exact.
+
+    Where two points of a map come to lie on each other, some triangle is turned that has the place in it.
+    So if none of the flat ones that `turned` does not count is found here, no edges cross at all.
+
+    Parameters
+    ----------
+    before, after : (n, 2) float
+    triangles : (t, 3) int
+        Counter-clockwise before, but for rounding.
+    edges : (m, 2) int
+        They are edges of triangles.
+
+    Examples
+    --------
+    A point goes from one side of a line to the other, and takes the end of another line with it.
+
+    >>> before = np.array([(0, 0), (4, 0), (2, 1), (2, 2.0)])
+    >>> after, flat = np.array([(0, 0), (4, 0), (2, -1), (2, 2.0)]), np.array([(0, 1, 2)])
+    >>> crossed(before, after, flat, np.array([(0, 1), (2, 3)])).tolist()
+    [True]
+    >>> crossed(before, after, flat, np.array([(0, 1), (1, 3)])).tolist()
+    [False]
+    """
+    found = np.zeros(len(triangles), dtype=bool)
+    wrong = np.flatnonzero(orientations(*after[triangles].transpose(1, 0, 2)) <= 0)
+    if not len(wrong) or not len(edges):
+        return found
+    tree = shapely.STRtree(shapely.linestrings(after[edges]))
+    corners = after[triangles[wrong]]
+    place = shapely.convex_hull(
+        shapely.multipoints(corners.reshape(-1, 2), indices=np.repeat(np.arange(len(wrong)), 3))
+    )
+    near = np.full(len(wrong), flatness(after))
+    number, edge = tree.query(place, predicate="dwithin", distance=near)
+    for k in range(len(wrong)):
+        mine = edge[number == k]
+        one, other = np.triu_indices(len(mine), 1)
+        one, other = edges[mine[one]], edges[mine[other]]
+        found[wrong[k]] = (crossing(after[one], after[other]) & ~crossing(before[one], before[other])).any()
     return found
 
 

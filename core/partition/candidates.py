@@ -17,7 +17,7 @@ from ..rings import groups, shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
-from .triangulation import diagonals, sides_of, triangulate
+from .triangulation import diagonals, sides_of, triangulated
 
 __all__ = [
     "ACCEPTED",
@@ -217,21 +217,26 @@ def from_triangulation(
     if free.any():
         rest, vertex = without_rings(polygons, free)
         corner, _ = take(polygons.offsets, np.flatnonzero(~free))
-    triangles, verdict = known or triangulate(rest, conformal=measure.conformal, engine=engine, check=check)
+    if known:
+        triangles, verdict, sides = *known, None
+    else:
+        triangles, verdict, sides = triangulated(
+            rest, conformal=measure.conformal, engine=engine, check=check
+        )
     if (verdict != "").any():
         which = np.flatnonzero(verdict == "")
         corner = corner[take(rest.corner_offsets, which)[0]]
         rest, number = select(rest, which)
         back = np.empty(len(vertex), dtype=np.int64)
         back[number] = np.arange(len(number))
-        triangles, vertex = back[triangles], vertex[number]
-    sides = sides_of(rest, triangles)
+        triangles, vertex, sides = back[triangles], vertex[number], None
+    sides = sides or sides_of(rest, triangles)
     edges = diagonals(rest, triangles, sides)
     position = measure.positions(rest.xy)
     short = places(rest, sides, position, measure) if with_places else None
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
         edges = edges[_clear(polygons, free, vertex[edges])]
-    found = Diagonals(vertex[edges], verdict, short)
+    found = Diagonals(edges if rest is polygons else vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]

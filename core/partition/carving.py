@@ -164,8 +164,9 @@ def carve(
     corner_of[polygons.vertex] = np.arange(corners)
     if len(polygons.offsets) == count + 1:  # no holes
         place = np.arange(corners)
-        ends = np.sort(corner_of[edges], axis=1)
-        walk = Walk(place, place.copy(), ends[:, 0], ends[:, 1], polygons.corner_offsets)
+        one, other = corner_of[edges[:, 0]], corner_of[edges[:, 1]]
+        i, j = np.minimum(one, other), np.maximum(one, other)
+        walk = Walk(place, place.copy(), i, j, polygons.corner_offsets)
         return walk, np.zeros(count, dtype=bool)
 
     in_walk = np.repeat(wanted[component], np.diff(polygons.offsets))

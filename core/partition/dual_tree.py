@@ -86,13 +86,13 @@ def build_tree(offsets: np.ndarray, i: np.ndarray, j: np.ndarray) -> DualTree:
     node = np.empty(k, dtype=np.int64)  # node of a preorder rank
     node[level_order] = np.arange(roots, roots + k)
 
-    # parent: the last bracket opened before, one level up, or the root edge of the walk
+    # parent: the bracket opened just before, if that is around it; else that of the bracket before on its
+    # own level; or the root edge of the walk
     parent_of = groups(offsets)[i] if roots > 1 else np.zeros(k, dtype=np.int64)  # by preorder rank
     inner = level_order[depth_count[0] :] if k else level_order
-    key = depth[level_order] * k + level_order
-    parent_of[inner] = node[
-        level_order[np.searchsorted(key, key[len(key) - len(inner) :] - k, side="right") - 1]
-    ]
+    deeper = np.append(False, depth[1:] > depth[:-1])
+    first = np.flatnonzero(deeper[inner])
+    parent_of[inner] = np.repeat(node[inner[first] - 1], np.diff(np.append(first, len(inner))))
     parent = np.full(roots + k, -1)
     parent[node] = parent_of
 

@@ -188,13 +188,14 @@ def _by_triangle(xy, vertex_offsets, segments, segment_offsets, check):
         except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
             found.append(nothing)
     size = np.array([len(triangles) for triangles in found])
-    owner = np.repeat(np.arange(len(found)), size)
-    triangles = np.concatenate(found)
-    highest = np.maximum(np.maximum(triangles[:, 0], triangles[:, 1]), triangles[:, 2])
-    new = np.bincount(owner[highest >= np.diff(vertex_offsets)[owner]], minlength=len(found)) > 0
-    triangles = triangles + vertex_offsets[owner][:, None]
+    corners = np.concatenate(found).ravel()  # numpy takes its time for rows of three
+    some, highest = size > 0, np.zeros(len(size), dtype=np.int64)
+    highest[some] = np.maximum.reduceat(corners, 3 * (np.cumsum(size) - size)[some]) if some.any() else 0
+    new = highest >= np.diff(vertex_offsets)
+    corners += spread(vertex_offsets[:-1].astype(np.int32), offsets_of(3 * size))
+    triangles = corners.reshape(-1, 3)
     if new.any():  # where its segments cross, it adds vertices without a word
-        triangles, size = triangles[~new[owner]], np.where(new, 0, size)
+        triangles, size = triangles[~np.repeat(new, size)], np.where(new, 0, size)
     return triangles, offsets_of(size)
 
 

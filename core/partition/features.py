@@ -263,9 +263,11 @@ def prepare(
     SMALLEST_PART must be a number from 0 to 100, and is -1
     """
     owner, count = chunk.owner, len(chunk.features)
-    area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
-    feature_area = np.bincount(owner, weights=area, minlength=count)
     floors, reasons = _floors(smallest_part, min_length, min_hole)
+    area = shell = np.zeros(len(owner))
+    if natural or floors[0].any():  # else nobody asks
+        area, shell = _areas(chunk.rings, np.arange(len(owner)), chunk.measure)
+    feature_area = np.bincount(owner, weights=area, minlength=count)
     near = None
     if lines is not None:
         bounds = chunk.rings.offsets[chunk.rings.polygon_offsets].tolist()

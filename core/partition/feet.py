@@ -82,11 +82,12 @@ def places(polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metr
     >>> polygon.xy[found.apex], polygon.xy[found.edge], found.share, found.length
     (array([[10.,  1.]]), array([[0., 0.]]), array([0.5]), array([1.]))
     """
-    xy, vertex = polygons.xy, polygons.vertex
-    after = vertex[polygons.next_corner]
-    edge, v = _edges_opposite(polygons, sides, _concave(polygons))
-    start = position.take(vertex[edge], axis=0)
-    along, to = position.take(after[edge], axis=0) - start, position.take(v, axis=0) - start
+    xy = polygons.xy
+    side = np.flatnonzero(sides.boundary)
+    v = sides.head.take(side + np.where(side % 3 == 2, -2, 1))  # the next side ends opposite
+    start = position.take(sides.tail.take(side), axis=0)
+    along = position.take(sides.head.take(side), axis=0) - start
+    to = position.take(v, axis=0) - start
     with np.errstate(all="ignore"):  # magnitudes may be extreme; what overflows is no place
         squared, away, passed = (
             np.einsum("ij,ij->i", p, q) for p, q in ((along, along), (to, to), (along, to))
@@ -96,20 +97,23 @@ def places(polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metr
         inside = np.flatnonzero(
             (passed > 0.0) & (passed < squared) & ((1.0 - WIDER**-2) * away <= squared * (1.0 + 1e-6))
         )
-        edge, v, squared, away, passed = (x[inside] for x in (edge, v, squared, away, passed))
-        a, b, share = vertex[edge], after[edge], passed / squared
+        inside = inside[_concave(polygons, v[inside])]
+        side, v, squared, away, passed = (x[inside] for x in (side, v, squared, away, passed))
+        a, b, share = sides.tail[side], sides.head[side], passed / squared
         # the same in full, but for what chords through the Earth lie below it
         height = squared / 8.0 / np.maximum(np.abs(position[a]).max(axis=1), 1e-300)
         nearer = np.minimum(away, away - 2.0 * passed + squared)
         inside = np.flatnonzero(WIDER**2 * (away - share * passed - 4.0 * height**2) <= nearer * 1.01)
-    edge, a, b, v, share = (x[inside] for x in (edge, a, b, v, share))
+    a, b, v, share = (x[inside] for x in (a, b, v, share))
     foot = measure.positions(xy[a] + share[:, None] * (xy[b] - xy[a]))
     here = np.arange(len(v))
     length = measure.length(np.concatenate((position[v], foot)), here, here + len(v))
     nearer = np.minimum(measure.length(position, v, a), measure.length(position, v, b))
     wanted = np.flatnonzero((nearer >= WIDER * length) & (length > 0.0))
-    wanted = wanted[np.argsort(edge[wanted])]
-    return Places(*(x[wanted] for x in (v, edge, share, length)))
+    edge = _edges_of(polygons, a[wanted], b[wanted])
+    order = np.argsort(edge)
+    wanted = wanted[order]
+    return Places(v[wanted].astype(np.int64), edge[order], share[wanted], length[wanted])
 
 
 def concave_places(polygons: Polygons, found: Places, outline: Outline) -> np.ndarray:
@@ -352,37 +356,33 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
     return (ring[first] == ring[last]) & ((between == 0) | (outside == 0))
 
 
-def _edges_opposite(polygons, sides, wanted):
-    """The edges of polygons, by the corners they leave, with a wanted vertex opposite in their triangle."""
-    xy, vertex = polygons.xy, polygons.vertex
-    side = np.flatnonzero(sides.boundary)
-    v = sides.head.take(side + np.where(side % 3 == 2, -2, 1))  # the next side ends opposite
-    some = np.flatnonzero(wanted.take(v))
-    side, v = side[some], v[some].astype(np.int64)
-    a = sides.tail.take(side)
-    corner = np.empty(len(xy), dtype=np.int64)
-    corner[vertex] = np.arange(len(vertex))
-    edge = corner.take(a)
-    if len(vertex) > len(xy):  # rings touch: some vertices have several edges
-        key = vertex * len(xy) + vertex[polygons.next_corner]
+def _edges_of(polygons, a, b):
+    """The edges of polygons from vertices to others, by the corners they leave."""
+    n, vertex = len(polygons.xy), polygons.vertex
+    if len(vertex) > n:  # rings touch: some vertices have several edges
+        key = vertex * n + vertex[polygons.next_corner]
         order = np.argsort(key)
-        edge = order[np.searchsorted(key, a.astype(np.int64) * len(xy) + sides.head[side], sorter=order)]
-    return edge, v
+        return order[np.searchsorted(key, a.astype(np.int64) * n + b, sorter=order)]
+    corner = np.empty(n, dtype=np.int64)
+    corner[vertex] = np.arange(n)
+    return corner[a]
 
 
-def _concave(polygons):
-    """(n,) bool: the vertices at which the outline turns away from the inside."""
+def _concave(polygons, which):
+    """At which of some vertices the outline turns away from the inside."""
     xy, vertex = polygons.xy, polygons.vertex
-    x, y = xy.take(vertex, axis=0).T
-    out_x, out_y = (axis.take(polygons.next_corner) - axis for axis in (x, y))
-    before = previous(polygons.offsets)
-    into_x, into_y = out_x.take(before), out_y.take(before)
+    concave = np.zeros(len(xy), dtype=bool)
+    concave[which] = True
+    corner = np.flatnonzero(concave[vertex])
+    here = xy[vertex[corner]]
+    out_x, out_y = (xy[vertex[polygons.next_corner[corner]]] - here).T
+    into_x, into_y = (here - xy[vertex[previous(polygons.offsets)[corner]]]).T
     turns = into_x * out_y - into_y * out_x < -np.tan(CONCAVE) * np.maximum(
         into_x * out_x + into_y * out_y, 0.0
     )
-    concave = np.zeros(len(xy), dtype=bool)
-    concave[vertex[turns & ~polygons.inserted]] = True
-    return concave
+    concave[:] = False
+    concave[vertex[corner[turns & ~polygons.inserted[corner]]]] = True
+    return concave[which]
 
 
 def _inserted(polygons, coords, count, edge, share):

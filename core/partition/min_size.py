@@ -27,6 +27,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from ..progress import ignore
+from ..rings import starts
 from .dual_tree import DualTree
 
 __all__ = ["LEAF", "ROOT", "SELF", "Network", "min_size", "network", "witness_lengths"]
@@ -208,9 +209,11 @@ def _states_by_level(net, tau, check):
             relative = parent[e] - up.start
             offer = np.where(leaf[e], value[e], length[e])
             total[up] += np.bincount(relative, weights=offer, minlength=up.stop - up.start)
-            first = np.flatnonzero(np.diff(relative, prepend=-1))
-            demand = np.where(leaf[e], -np.inf, value[e] + offer)
-            best[up][relative[first]] = np.maximum.reduceat(demand, first)
+            asking = np.flatnonzero(~leaf[e])
+            if len(asking):  # few do
+                of, demand = relative[asking], value[e][asking] + offer[asking]
+                first = starts(of)
+                best[up][of[first]] = np.maximum.reduceat(demand, first)
     return leaf, value, serves
 
 

@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..metric import Metric
-from ..rings import following, groups, locate, offsets_of, previous, ranges, running
+from ..rings import following, groups, locate, offsets_of, previous, ranges, running, take
 from .polygon import Polygons
 
 __all__ = [
@@ -334,8 +334,8 @@ def _large_corners(plane, offsets, least, corner):
             bx, by, cx, cy = x - x0, y - y0, _shifted(x, start, -1), _shifted(y, start, -1)
             cx -= x0
             cy -= y0
-            small = np.abs(bx * cy - cx * by) / 2.0 < limit * scale
-            goes = _every_second(small, start)
+            area = np.abs(bx * cy - cx * by) / 2.0
+            goes = _every_second(area, area < limit * scale, start)
             gone = np.add.reduceat(goes, start[:-1], dtype=np.int64)
             size = np.diff(start)
             few = size - gone < 3
@@ -739,13 +739,44 @@ def _shifted(values, start, by):
     return moved
 
 
-def _every_second(small, start):
-    """Every second of each run of true values, counted from where the run or the ring begins."""
-    index = np.arange(len(small))
-    barrier = np.where(small, -1, index)
-    barrier[start[:-1]] = np.where(small[start[:-1]], start[:-1] - 1, start[:-1])
-    chosen = small & ((index - np.maximum.accumulate(barrier)) % 2 == 1)
-    chosen[start[1:] - 1] &= ~chosen[start[:-1]]  # where a ring closes, two may meet
+def _every_second(area, small, start):
+    """Every second of each run of true values on rings, so that it does not matter where rings begin.
+
+    Of the two halves of a run of even length that goes whose triangles are smaller in sum, for then the
+    direction does not matter either. If all of a ring are small, its run begins after the largest.
+    """
+    count = np.add.reduceat(small, start[:-1], dtype=np.int64)
+    full = np.flatnonzero((count == np.diff(start)) & (count > 0))
+    if len(full):
+        small = small.copy()
+        index, offsets = take(start, full)
+        small[index[np.lexsort((area[index], groups(offsets)))[offsets[1:] - 1]]] = False
+    index = np.flatnonzero(small)
+    chosen = np.zeros(len(small), dtype=bool)
+    if not len(index):
+        return chosen
+    opening = np.zeros(len(small) + 1, dtype=bool)
+    opening[start] = True
+    new = np.diff(index, prepend=-2) > 1
+    new |= opening[index]
+    run = np.flatnonzero(new)
+    first, last = index[run], index[np.append(run[1:], len(index)) - 1]
+    size = last - first + 1
+    begun = np.zeros(len(run), dtype=np.int64)  # of the same run, at the ring's end
+    ring = np.searchsorted(start, first, side="right") - 1
+    at_end = np.flatnonzero(last + 1 == start[ring + 1])
+    at_start = np.flatnonzero(first == start[ring])
+    tail = at_end[np.isin(ring[at_end], ring[at_start])]
+    head = at_start[np.isin(ring[at_start], ring[at_end])]
+    begun[head] = size[tail]
+    size[tail] = size[head] = size[tail] + size[head]
+    length = np.diff(np.append(run, len(index)))
+    odd = (np.arange(len(index)) - np.repeat(run - begun, length)) % 2 == 1
+    less, total = (np.add.reduceat(x, run) for x in (np.where(odd, -area[index], area[index]), area[index]))
+    for x in (less, total):
+        x[tail] = x[head] = x[tail] + x[head]
+    other = (size % 2 == 0) & (less > 1e-9 * total)
+    chosen[index] = odd == np.repeat(other, length)
     return chosen
 
 

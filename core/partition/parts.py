@@ -17,7 +17,7 @@ from .carving import Walk
 from .dual_tree import build_tree
 from .polygon import Polygons
 
-__all__ = ["Parts", "build_parts", "merged_parts"]
+__all__ = ["Faces", "Parts", "build_parts", "faces_of", "merged_parts"]
 
 _CUT = np.iinfo(np.int64).min
 
@@ -56,8 +56,75 @@ class Parts(NamedTuple):
         return [rings[lo:hi] for lo, hi in zip(bounds[:-1], bounds[1:])]
 
 
+class Faces(NamedTuple):
+    """The half-edges of the faces of P and S: the walk's own, and each cut on its way up (i to j) and back.
+
+    A cut has the face below it and that above it; the faces are the roots, then those below the cuts.
+
+    Attributes
+    ----------
+    is_cut : (s,) bool
+        Which of the selected edges are not in T.
+    below, above : (c,) int
+        The faces at each of these cuts.
+    polygon : (f,) int
+        The polygon of each face.
+    face, place, edge : (h,) int
+        For each half-edge its face, the place where it starts, and the walk's edge.
+    order : (h,) int
+        The half-edges by face, those of a face in the order of its boundary.
+    """
+
+    is_cut: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    polygon: np.ndarray
+    face: np.ndarray
+    place: np.ndarray
+    edge: np.ndarray
+    order: np.ndarray
+
+
+def faces_of(walk: Walk, selected: np.ndarray, tree: np.ndarray) -> Faces:
+    """Return the faces of P and S; parameters as in `build_parts`.
+
+    Notes
+    -----
+    O(n), but for a sort of n + 2 |S| integers.
+
+    Examples
+    --------
+    A hexagon of six places, cut from place 1 to place 4: three edges of the walk on either side.
+
+    >>> none = np.empty(0, dtype=int)
+    >>> walk = Walk(np.arange(6), np.arange(6), np.array([1]), np.array([4]), np.array([0, 6]))
+    >>> faces_of(walk, np.array([0]), none).face.tolist()
+    [0, 1, 1, 1, 0, 0, 0, 1]
+    """
+    m, roots = len(walk.corner), len(walk.offsets) - 1
+    is_cut = ~np.isin(selected, tree) if len(tree) else np.ones(len(selected), dtype=bool)
+    cuts = selected[is_cut]
+    i, j = walk.i[cuts], walk.j[cuts]
+    faces = build_tree(walk.offsets, i, j)
+    count = roots + len(cuts)
+    below = np.empty(len(cuts), dtype=np.int64)
+    below[faces.diagonal] = np.arange(roots, count)
+    above = faces.parent[below]
+    polygon = np.arange(count)
+    polygon[below] = groups(walk.offsets)[i]
+    face, place = np.concatenate((faces.edge_face, above, below)), np.concatenate((np.arange(m), i, j))
+    edge = np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT)))
+    order = np.argsort(face * m + place, kind="stable")
+    return Faces(is_cut, below, above, polygon, face, place, edge, order)
+
+
 def build_parts(
-    polygons: Polygons, walk: Walk, selected: np.ndarray, tree: np.ndarray, equal_area: Callable
+    polygons: Polygons,
+    walk: Walk,
+    selected: np.ndarray,
+    tree: np.ndarray,
+    equal_area: Callable,
+    faces: Faces | None = None,
 ) -> Parts:
     """Split polygons along their selected edges.
 
@@ -71,6 +138,8 @@ def build_parts(
         Candidates in T, ascending.
     equal_area : callable
         See `metric.Metric`.
+    faces : Faces, optional
+        Where they are known: see `faces_of`.
 
     Returns
     -------
@@ -97,12 +166,11 @@ def build_parts(
     >>> parts.sides.tolist()
     [[0, 1]]
     """
-    faces = _faces(polygons, walk, selected, tree)
+    faces = faces or faces_of(walk, selected, tree)
     roots, below, above, is_cut = len(polygons.unit), faces.below, faces.above, faces.is_cut
     count = roots + len(below)
-    order = np.argsort(faces.face * len(walk.corner) + faces.place, kind="stable")
-    place, edge = faces.place[order], faces.edge[order]
-    bounds = np.searchsorted(faces.face[order], np.arange(count + 1))
+    place, edge = faces.place[faces.order], faces.edge[faces.order]
+    bounds = offsets_of(np.bincount(faces.face, minlength=count))
 
     owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
     free, target = _free_holes(polygons, walk, faces.polygon, owner, corners, offsets)
@@ -180,7 +248,7 @@ def merged_parts(
     >>> union.tolist()
     [0, 1, 2, 3, 4, 5]
     """
-    faces = _faces(polygons, walk, selected, tree)
+    faces = faces_of(walk, selected, tree)
     m, roots, below = len(walk.corner), len(polygons.unit), faces.below
     number = parts.part_offsets[:-1]  # the part of each face
     number = np.append(number, np.empty(len(below), dtype=np.int64))
@@ -193,13 +261,12 @@ def merged_parts(
     cut = np.append(np.full(m, -1), np.tile(np.arange(len(below)), 2))
     polygon_of_part = np.repeat(np.arange(roots), np.diff(parts.part_offsets))
 
-    by_face = np.argsort(faces.face * m + faces.place, kind="stable")
     finest = _rings(
         polygons,
         walk,
-        np.searchsorted(faces.face[by_face], np.arange(len(number) + 1)),
-        faces.place[by_face],
-        faces.edge[by_face],
+        offsets_of(np.bincount(faces.face, minlength=len(number))),
+        faces.place[faces.order],
+        faces.edge[faces.order],
     )
     free, target = _free_holes(polygons, walk, faces.polygon, *finest)
     by_target = np.argsort(number[target], kind="stable")
@@ -239,44 +306,6 @@ def merged_parts(
         lo = hi
 
 
-class _Faces(NamedTuple):
-    """The half-edges of all faces: the walk's own, each cut on its way up (i to j), and on its way back.
-
-    A cut has the face below it and that above it; the faces are the roots, then those below the cuts.
-    """
-
-    is_cut: np.ndarray
-    below: np.ndarray
-    above: np.ndarray
-    polygon: np.ndarray
-    face: np.ndarray
-    place: np.ndarray
-    edge: np.ndarray
-
-
-def _faces(polygons, walk, selected, tree):
-    m, roots = len(walk.corner), len(polygons.unit)
-    is_cut = ~np.isin(selected, tree) if len(tree) else np.ones(len(selected), dtype=bool)
-    cuts = selected[is_cut]
-    i, j = walk.i[cuts], walk.j[cuts]
-    faces = build_tree(walk.offsets, i, j)
-    count = roots + len(cuts)
-    below = np.empty(len(cuts), dtype=np.int64)
-    below[faces.diagonal] = np.arange(roots, count)
-    above = faces.parent[below]
-    polygon = np.arange(count)
-    polygon[below] = groups(walk.offsets)[i]
-    return _Faces(
-        is_cut,
-        below,
-        above,
-        polygon,
-        face=np.concatenate((faces.edge_face, above, below)),
-        place=np.concatenate((np.arange(m), i, j)),
-        edge=np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT))),
-    )
-
-
 def _rings(polygons, walk, bounds, place, edge):
     """Rings of corners: the face of each, all corners, and where each ring starts."""
     if len(polygons.vertex) == len(polygons.xy) and not (walk.edge < 0).any():
@@ -284,15 +313,16 @@ def _rings(polygons, walk, bounds, place, edge):
     else:
         index, offsets, owner = cycles(polygons.vertex[walk.corner[place]], bounds)
     edge, place = edge[index], place[index]
-    before = edge[previous(offsets)]
-    own = np.where(edge >= 0, edge, 0)
-    after = polygons.next_corner[np.where(before >= 0, before, 0)]
     # half-edges become the corners where they start
-    corner = np.where(edge >= 0, own, np.where(before >= 0, after, walk.corner[place]))
+    corner, before = edge.copy(), edge[previous(offsets)]
+    cut = np.flatnonzero(edge < 0)
+    after = polygons.next_corner[np.maximum(before[cut], 0)]
+    corner[cut] = np.where(before[cut] >= 0, after, walk.corner[place[cut]])
     if not polygons.inserted.any():
         return owner, corner, offsets
     # an inserted corner was only needed to walk; along its edge nobody shall see it
-    needless = polygons.inserted[own] & (edge >= 0) & (before >= 0) & (after == own)
+    after = polygons.next_corner[np.maximum(before, 0)]
+    needless = polygons.inserted[corner] & (edge >= 0) & (before >= 0) & (after == edge)
     kept = np.add.reduceat((~needless).astype(np.int64), offsets[:-1])
     return owner, corner[~needless], offsets_of(kept)
 
@@ -356,10 +386,13 @@ def _rows(polygons, owner, corners, offsets, count, polygon):
         order[several] = order[several][_shells_first(polygons, owner, corners, offsets, order[several])]
     corner, _ = take(offsets, order)
     corner = corners[corner]
-    repeat = np.diff(polygons.row_start)[corner]
-    ends = offsets_of(repeat)
-    rows = polygons.rows[ranges(polygons.row_start[corner], repeat)]
-    offsets = ends[offsets_of(ring_size[order])]
+    offsets = offsets_of(ring_size[order])
+    if len(polygons.rows) == len(polygons.vertex):  # a row for each corner
+        rows = polygons.rows[corner]
+    else:
+        repeat = np.diff(polygons.row_start)[corner]
+        rows = polygons.rows[ranges(polygons.row_start[corner], repeat)]
+        offsets = offsets_of(repeat)[offsets]
     turned = polygons.shell_reversed[polygon[order]]
     if turned.any():
         size = np.diff(offsets)

@@ -22,6 +22,8 @@ from ..rings import Rings, following, groups, offsets_of, one_polygon, shapes, s
 
 __all__ = ["Polygons", "boundary_components", "from_rings", "is_valid", "one", "select", "without_rings"]
 
+TOO_FINE = Sentence("it is too fine to be checked")
+
 
 class _Arrays(NamedTuple):
     xy: np.ndarray
@@ -136,9 +138,10 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     size = np.diff(offsets)
     ring_polygon = groups(polygon_offsets)
     row_polygon = spread(ring_polygon, offsets)
-    xy = np.array(rings.coords[:, :2], dtype=float) + 0.0  # + 0.0: there is only one zero
+    xy = np.add(rings.coords[:, :2], 0.0, dtype=float)  # + 0.0: there is only one zero
+    row_offsets = offsets[polygon_offsets]
 
-    empty = np.bincount(row_polygon, minlength=count) == 0
+    empty = np.diff(row_offsets) == 0
     verdict[empty] = Sentence("empty geometry")
     bad = np.zeros(count, dtype=bool)
     finite = np.isfinite(xy)
@@ -147,7 +150,7 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
         bad[row_polygon[~finite]] = True
         verdict[bad] = Sentence("coordinates are not finite (NaN or infinity)")
         xy[~finite] = 0.0
-    xy, unit = _scaled(xy, row_polygon, count)
+    xy, unit, lost = _scaled(xy, row_offsets)
 
     # corners: rows that differ from the one before on their ring
     is_start = np.ones(len(xy), dtype=bool)
@@ -161,11 +164,12 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     thin = np.zeros(count, dtype=bool)
     thin[ring_polygon[corner_count < 3]] = True
     verdict[thin & ~empty & ~bad] = Sentence("a ring has fewer than three distinct vertices")
+    verdict[lost] = Sentence("invalid geometry: {}", TOO_FINE)
     good = verdict == ""
     kept = good[ring_polygon]  # rings
-    starts = np.flatnonzero(is_start & good[row_polygon])
+    starts = np.flatnonzero(is_start if good.all() else is_start & good[row_polygon])
     corner_offsets = offsets_of(corner_count[kept])
-    shape = shapes(xy[starts], corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
+    shape = shapes(xy.take(starts, axis=0), corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
     valid = is_valid(shape)
     if not valid.all():
         number = np.flatnonzero(good)
@@ -251,7 +255,9 @@ def select(polygons: Polygons, which: np.ndarray) -> tuple[Polygons, np.ndarray]
     vertex, _ = take(polygons.vertex_offsets, which)
     number = np.full(len(polygons.xy), -1)
     number[vertex] = np.arange(len(vertex))
-    row_index, row_start = take(polygons.row_start, corner)
+    row_index = row_start = polygons.row_start
+    if len(row_start):  # not of polygons `without_rings`
+        row_index, row_start = take(polygons.row_start, corner)
     return Polygons(
         xy=polygons.xy[vertex],
         unit=polygons.unit[which],
@@ -346,21 +352,24 @@ def without_rings(polygons: Polygons, left_out: np.ndarray) -> tuple[Polygons, n
     ), vertex
 
 
-def _scaled(xy, row_polygon, count):
-    """Bring extreme magnitudes to about 1, by a power of two: exact."""
-    unit = np.ones(count)
-    largest = np.zeros(count)
-    if len(xy):
-        first = np.flatnonzero(np.diff(row_polygon, prepend=-1))
-        of_axes = np.maximum.reduceat(np.abs(xy), first, axis=0)  # ufunc.max(axis=1) takes ten times longer
-        largest[row_polygon[first]] = of_axes.max(axis=1)
+def _scaled(xy, offsets):
+    """Bring extreme magnitudes to about 1, by a power of two: exact, but where digits would be lost."""
+    count = len(offsets) - 1
+    unit, largest, lost = np.ones(count), np.zeros(count), np.zeros(count, dtype=bool)
+    some = np.flatnonzero(np.diff(offsets))
+    if len(some):
+        # ufunc.max(axis=1) takes ten times longer
+        of_axes = np.maximum.reduceat(np.abs(xy), offsets[some], axis=0)
+        largest[some] = of_axes.max(axis=1)
     extreme = np.flatnonzero(((largest <= 1e-50) & (largest > 0.0)) | (largest >= 1e50))
     for p in extreme.tolist():
         exponent = int(np.frexp(largest[p])[1])
         unit[p] = np.ldexp(1.0, exponent)
-        own = row_polygon == p
-        xy[own] = np.ldexp(xy[own], -exponent)
-    return xy, unit
+        own = slice(offsets[p], offsets[p + 1])
+        scaled = np.ldexp(xy[own], -exponent)
+        lost[p] = (np.ldexp(scaled, exponent) != xy[own]).any()
+        xy[own] = scaled
+    return xy, unit, lost
 
 
 def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon, good):
@@ -384,7 +393,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         )
     # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
     first, end = corner_offsets[:-1], corner_offsets[1:]
-    corner_xy = xy[starts]
+    corner_xy = xy.take(starts, axis=0)
     x = corner_xy[:, 0]
     leftmost = np.flatnonzero(x == spread(np.minimum.reduceat(x, first), corner_offsets))
     own = np.searchsorted(leftmost, first)
@@ -433,7 +442,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         corner_offsets = offsets_of(np.diff(corner_offsets)[order])
     row_start = np.append(np.flatnonzero(begins), len(rows))
     return Polygons(
-        xy=xy[rows[row_start[:-1]]],
+        xy=xy.take(rows[row_start[:-1]], axis=0),
         unit=None,
         vertex=np.arange(len(row_start) - 1),
         offsets=corner_offsets,
@@ -451,7 +460,7 @@ def _reason(shape, unit):
     try:
         reason = shapely.is_valid_reason(shape)
     except shapely.errors.GEOSException:
-        return Sentence("it is too fine to be checked")
+        return TOO_FINE
     if unit == 1.0:
         return reason
     return reason.split("[")[0].strip()

@@ -7,6 +7,7 @@ once. A polygon that cannot be solved is a verdict, and nothing of it goes on.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from .. import metric
 from ..errors import Sentence, Unsolvable
 from ..progress import checker, ignore, stretch
-from ..rings import Rings, offsets_of, one_polygon, ranges, running, spread, take
+from ..rings import Rings, groups, offsets_of, one_polygon, ranges, running, spread, take
 from . import polygon as polygon_stage
 from .candidates import Lines, counted, from_lines, from_triangulation
 from .carving import Walk, carve, spanning_tree
@@ -24,7 +25,7 @@ from .feet import Places, along_edges, with_feet
 from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
-from .parts import Parts, build_parts
+from .parts import Faces, Parts, build_parts, faces_of
 from .polygon import Polygons, boundary_components, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
@@ -145,7 +146,15 @@ class Carved(NamedTuple):
         return self.free[self.net.tree.diagonal]
 
 
-class Selection(NamedTuple):
+class _Selected(NamedTuple):
+    selected: np.ndarray
+    carved: Carved
+    cost: np.ndarray
+    lower_bound: np.ndarray
+    dilation: np.ndarray | None
+
+
+class Selection(_Selected):  # with a __dict__, for the faces
     """Solutions S.
 
     Attributes
@@ -160,11 +169,10 @@ class Selection(NamedTuple):
         The largest dilation of a candidate in P and S, if it was asked for.
     """
 
-    selected: np.ndarray
-    carved: Carved
-    cost: np.ndarray
-    lower_bound: np.ndarray
-    dilation: np.ndarray | None
+    @cached_property
+    def faces(self) -> Faces:
+        """The faces of P and S."""
+        return faces_of(self.carved.walk, self.selected, self.carved.tree)
 
 
 class Partition(NamedTuple):
@@ -468,19 +476,19 @@ def select(
     check(0.0)
     carved, owner, count = prepared.carved, prepared.owner, len(prepared.polygons.unit)
     tau = np.broadcast_to(np.asarray(tau, dtype=float), count)
-    of_node = np.append(np.arange(count), owner[carved.node_edge])
+    by_node = tau[:1] if (tau == tau[:1]).all() else tau[np.append(np.arange(count), owner[carved.node_edge])]
     search = stretch(check, 0.0, 0.8)
-    cut = min_size(carved.net, tau[of_node], search if weight is None else check) == SELF
+    cut = min_size(carved.net, by_node, search if weight is None else check) == SELF
     ones = np.ones(len(owner))
     lower_bound = _sums(owner, ones, np.append(carved.tree, carved.node_edge[cut[count:]]), count)
     if weight is None and prepared.natural:
-        cut = _salient(prepared, cut, tau[of_node], search)
+        cut = _salient(prepared, cut, by_node, search)
     if weight is not None:
         # a MinSize solution to begin with: the result never costs more
         cut, lower_bound = min_weight(
             carved.net,
             np.append(np.zeros(count), weight[carved.node_edge]),
-            tau[of_node],
+            by_node,
             max_gap=max_gap,
             start=cut,
             time_limit=time_limit,
@@ -572,7 +580,12 @@ def finish(
         lower_bound=selection.lower_bound,
         role=role,
         parts=build_parts(
-            polygons, carved.walk, selection.selected, carved.tree, prepared.measure.equal_area
+            polygons,
+            carved.walk,
+            selection.selected,
+            carved.tree,
+            prepared.measure.equal_area,
+            selection.faces,
         ),
         lines=prepared.lines,
         edge_line=prepared.edge_line,
@@ -616,34 +629,30 @@ def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) ->
     roots = len(polygons.unit)
     if short is None or not len(short.edge):
         return np.zeros(roots, dtype=np.int64)
-    cuts = selection.selected[~np.isin(selection.selected, tree)]
-    i, j = walk.i[cuts], walk.j[cuts]
-    faces = build_tree(walk.offsets, i, j)
-    below = np.empty(len(cuts), dtype=np.int64)
-    below[faces.diagonal] = np.arange(roots, roots + len(cuts))
-    # the half-edges along each face: the walk's own, and both sides of the cuts
-    m, step = len(walk.corner), _steps(prepared, walk, tree)
-    face = np.concatenate((faces.edge_face, faces.parent[below], below))
-    key = face * m + np.concatenate((np.arange(m), i, j))
-    order = np.argsort(key, kind="stable")
-    key, size = key[order], np.concatenate((step, prepared.length[cuts], prepared.length[cuts]))[order]
-    passed, around = running(size, offsets_of(np.bincount(face, minlength=roots + len(cuts))))
-
     place = np.empty(len(polygons.vertex), dtype=np.int64)
     on_edge = np.flatnonzero(walk.edge >= 0)
     place[walk.edge[on_edge]] = on_edge
-    edge = place[short.edge]
-    own = faces.edge_face[edge]
-    foot = passed[np.searchsorted(key, own * m + edge)] + short.share * step[edge]
-    # the walk may pass a vertex several times, and touch several faces there
-    vertex = polygons.vertex[walk.corner]
-    by_vertex = np.argsort(vertex, kind="stable")
-    first = np.searchsorted(vertex[by_vertex], short.apex)
-    times = np.searchsorted(vertex[by_vertex], short.apex, side="right") - first
-    which = np.repeat(np.arange(len(edge)), times)
-    wanted = own[which] * m + by_vertex[ranges(first, times)]
-    at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
-    which, at = which[key[at] == wanted], at[key[at] == wanted]
+    edge, faces = place[short.edge], selection.faces
+    # the half-edges along each face with such a place: the walk's own, and both sides of the cuts
+    found, own = np.unique(faces.face[edge], return_inverse=True)
+    index, offsets = take(offsets_of(np.bincount(faces.face)), found)
+    half = faces.order[index]
+    size = np.empty(len(half))
+    cuts, by_cut = selection.selected[faces.is_cut], half >= len(walk.edge)
+    size[~by_cut] = _steps(prepared, walk.edge[half[~by_cut]], tree)
+    size[by_cut] = prepared.length[cuts[(half[by_cut] - len(walk.edge)) % len(cuts)]]
+    passed, around = running(size, offsets)
+    at = np.empty(len(faces.face), dtype=np.int64)
+    at[half] = np.arange(len(half))
+    foot = passed[at[edge]] + short.share * size[at[edge]]
+    # a walk may pass a vertex several times, and so may a face
+    n = len(polygons.xy)
+    key = groups(offsets) * n + polygons.vertex[walk.corner[faces.place[half]]]
+    by_vertex = np.argsort(key, kind="stable")
+    key, wanted = key[by_vertex], own * n + short.apex
+    first = np.searchsorted(key, wanted)
+    times = np.searchsorted(key, wanted, side="right") - first
+    which, at = np.repeat(np.arange(len(edge)), times), by_vertex[ranges(first, times)]
     way = np.abs(passed[at] - foot[which])
     shortest = np.full(len(edge), np.inf)
     np.minimum.at(shortest, which, np.minimum(way, around[own[which]] - way))
@@ -966,16 +975,16 @@ def _carve(prepared, tree):
     if ambiguous.any():
         return None, ambiguous
     free = np.flatnonzero(~_mask(tree, len(edges)))
-    step = _steps(prepared, walk, tree)
-    dual = build_tree(walk.offsets, walk.i[free], walk.j[free])
-    return Carved(tree, free, walk, network(dual, walk.offsets, step, length[free])), ambiguous
+    i, j, own = (walk.i, walk.j, length) if not len(tree) else (walk.i[free], walk.j[free], length[free])
+    net = network(build_tree(walk.offsets, i, j), walk.offsets, _steps(prepared, walk.edge, tree), own)
+    return Carved(tree, free, walk, net), ambiguous
 
 
-def _steps(prepared, walk, tree):
-    """Lengths of the edges of walks."""
-    step = prepared.edge_length[walk.edge]
-    along_tree = walk.edge < 0
-    step[along_tree] = prepared.length[tree[-1 - walk.edge[along_tree]]]
+def _steps(prepared, edge, tree):
+    """Lengths of edges of walks."""
+    step = prepared.edge_length[edge]
+    along_tree = edge < 0
+    step[along_tree] = prepared.length[tree[-1 - edge[along_tree]]]
     return step
 
 
@@ -1056,7 +1065,7 @@ def _witnesses(prepared, carved, selected, check):
 def _largest_dilation(prepared, selected, bound, check):
     """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
     largest = np.ones(len(prepared.polygons.unit))
-    exact = np.flatnonzero(prepared.bounded & ~prepared.with_holes[prepared.owner])
+    exact = np.flatnonzero(~prepared.with_holes[prepared.owner])  # what is not bounded is in T
     if len(exact):
         owner = prepared.owner[exact]
         first = np.flatnonzero(np.diff(owner, prepend=-1))

@@ -15,12 +15,21 @@ import shapely
 
 from ..errors import MissingEngine, Sentence
 from ..progress import ignore
-from ..rings import offsets_of, shapes, spread, take
+from ..rings import offsets_of, shapes, take
 from . import engines
 from .engines import engine_name
 from .polygon import Polygons, is_valid
 
-__all__ = ["Sides", "diagonals", "engine_name", "missing_packages", "sides_of", "triangulate"]
+__all__ = [
+    "Sides",
+    "Triangulations",
+    "diagonals",
+    "engine_name",
+    "missing_packages",
+    "sides_of",
+    "triangulate",
+    "triangulated",
+]
 
 TOO_FINE = Sentence("the polygon could not be triangulated (too fine for double precision)")
 
@@ -63,6 +72,22 @@ class Sides(NamedTuple):
     tail: np.ndarray
     head: np.ndarray
     boundary: np.ndarray
+
+
+class Triangulations(NamedTuple):
+    """What `triangulate` returns, and more.
+
+    Attributes
+    ----------
+    triangles : (t, 3) int
+    verdict : (p,) object
+    sides : Sides or None
+        Those of the triangles, where they are known.
+    """
+
+    triangles: np.ndarray
+    verdict: np.ndarray
+    sides: Sides | None
 
 
 def triangulate(
@@ -112,6 +137,25 @@ def triangulate(
     >>> sorted(np.sort(triangles, axis=1).tolist()), verdict.tolist()
     ([[0, 1, 3], [1, 2, 3]], [''])
     """
+    return triangulated(polygons, conformal=conformal, engine=engine, check=check)[:2]
+
+
+def triangulated(
+    polygons: Polygons,
+    *,
+    conformal: Callable | None = None,
+    engine: str | None = None,
+    check: Callable = ignore,
+) -> Triangulations:
+    """Do what `triangulate` does, and return what its checks have found out, too.
+
+    Examples
+    --------
+    >>> from isthmus.core.partition.polygon import one
+    >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
+    >>> int(triangulated(rhombus).sides.boundary.sum())
+    4
+    """
     names = engines.engine_names()
     if engine:
         rank = engines.ENGINES.index
@@ -132,25 +176,25 @@ def triangulate(
             if not len(which):
                 continue
             triangles, offsets = _by_engine(name, polygons, plane, which, check)
-            good = _are_triangulations(polygons, which, triangles, offsets)
+            good, sides = _are_triangulations(polygons, which, triangles, offsets)
             if plane is not polygons.xy:
                 good &= _same_sides(polygons.xy, triangles, offsets)
             if not good.all():
                 index, offsets = take(offsets, np.flatnonzero(good))
                 triangles = triangles[index]
-            found.append((triangles, which[good], np.diff(offsets)))
+            found.append((triangles, which[good], np.diff(offsets), sides if good.all() else None))
             waiting[which[good]] = False
     verdict = np.full(count, "", dtype=object)
     verdict[waiting] = TOO_FINE
     if len(found) == 1:
-        return found[0][0], verdict
+        return Triangulations(found[0][0], verdict, found[0][3])
     triangles, which, size = (
-        (np.concatenate(x) for x in zip(*found))
+        (np.concatenate(x) for x in list(zip(*found))[:3])
         if found
         else (np.empty((0, 3), dtype=np.int64), *np.empty((2, 0), dtype=np.int64))
     )
     index, _ = take(offsets_of(size), np.argsort(which, kind="stable"))
-    return triangles[index], verdict
+    return Triangulations(triangles[index], verdict, None)
 
 
 def diagonals(polygons: Polygons, triangles: np.ndarray, sides: Sides | None = None) -> np.ndarray:
@@ -217,7 +261,7 @@ def _by_engine(name, polygons, plane, which, check):
     """Triangles of polygons in a plane, by an engine, and where those of each start; none where it fails."""
     vertex, vertex_offsets = take(polygons.vertex_offsets, which)
     corner, corner_offsets = take(polygons.corner_offsets, which)
-    ends = polygons.vertex[np.column_stack((corner, polygons.next_corner[corner]))]
+    ends = np.column_stack([polygons.vertex.take(c) for c in (corner, polygons.next_corner.take(corner))])
     if len(vertex) < len(plane):
         number = np.empty(len(plane), dtype=np.int64)
         number[vertex] = np.arange(len(vertex))
@@ -268,24 +312,27 @@ def sides_of(polygons: Polygons, triangles: np.ndarray) -> Sides:
 
 
 def _are_triangulations(polygons, which, triangles, offsets):
-    """Whether the triangles found for some polygons are triangulations of these."""
+    """Whether the triangles found for some polygons are triangulations of these; their sides."""
     size = np.diff(offsets)
     corners = np.diff(polygons.corner_offsets)[which]
     touches = corners - np.diff(polygons.vertex_offsets)[which]
     holes = np.diff(polygons.polygon_offsets)[which] - 1 - touches  # one that touches is part of a ring
     good = size == corners + 2 * holes - 2
     bounds = 3 * offsets
-    low = spread(polygons.vertex_offsets[which], bounds)
-    high = spread(polygons.vertex_offsets[which + 1], bounds)
-    flat = triangles.ravel()
-    outside = (flat < low) | (flat >= high)
-    if outside.any():
-        good &= _numbers_of(outside, bounds) == 0
-        triangles = np.where(outside.reshape(-1, 3).any(axis=1)[:, None], 0, triangles)
-    a, b, boundary = sides_of(polygons, triangles)
+    some = np.flatnonzero(size)
+    if len(some):
+        flat, first = triangles.ravel(), bounds[some]
+        outside = np.zeros(len(size), dtype=bool)
+        outside[some] = np.minimum.reduceat(flat, first) < polygons.vertex_offsets[which[some]]
+        outside[some] |= np.maximum.reduceat(flat, first) >= polygons.vertex_offsets[which[some] + 1]
+        if outside.any():
+            good &= ~outside
+            triangles = np.where(np.repeat(outside, size)[:, None], 0, triangles)
+    sides = sides_of(polygons, triangles)
+    a, b, boundary = sides
     good &= _numbers_of(boundary, bounds) == corners
     inner = _numbers_of((a < b) & ~boundary, bounds)
-    return good & (2 * inner + corners == 3 * size)
+    return good & (2 * inner + corners == 3 * size), sides
 
 
 def _numbers_of(flags, offsets):

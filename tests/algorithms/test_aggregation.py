@@ -578,6 +578,18 @@ def test_a_threshold_larger_than_the_map(qgis_app):
     assert not any("could not be helped" in line for line in said)  # of each region, that would be noise
 
 
+def test_a_threshold_larger_than_a_map_with_areas_that_are_left(qgis_app):
+    """They are no regions that reach their minimum size, and do not hang together with others."""
+    large = (box(50, 0, 100, 10), NULL)
+    layer = areas([(box(0, 0), "a"), (None, "a"), (box(10, 0), "b"), large])
+    results, _, said = aggregate(layer, THRESHOLD=1e9)
+    assert (results["TOO_SMALL_COUNT"], results["SKIPPED_COUNT"]) == (2, 2)
+    assert any("No region reaches its minimum size" in line and " 200 square metres" in line for line in said)
+    assert not any("could not be helped" in line for line in said)
+    alone, _, said = aggregate(areas([(None, "a"), large]), THRESHOLD=1e9)
+    assert alone["TOO_SMALL_COUNT"] == 0 and not any("No region reaches" in line for line in said)
+
+
 def test_when_all_classes_are_excluded_that_is_said(qgis_app):
     results, layers, said = aggregate(strip("ab"), THRESHOLD=50, EXCLUDED="a,b")
     assert results["TOO_SMALL_COUNT"] == 2

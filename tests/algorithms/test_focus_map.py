@@ -150,9 +150,34 @@ def test_carried_layers(run, land, focus, layer, tmp_path):
     assert np.allclose(points(next(town.getFeatures()).geometry())[0], moved, atol=0.01)  # there and back
     line, dry = river.getFeatures()
     assert (line["name"], dry["name"]) == ("river", "dry") and dry.geometry().isEmpty()
-    assert [(v.z(), v.m()) for v in line.geometry().vertices()] == [(7, 8), (1, 2), (3, 4)]
+    heights = np.array([(v.z(), v.m()) for v in line.geometry().vertices()])
+    assert heights[[0, 1, -1]].tolist() == [[7, 8], [1, 2], [3, 4]]
+    assert (np.diff(heights[1:], axis=0) > 0).all()  # where it bends, between those of its ends
     assert np.allclose(points(line.geometry())[1], moved, atol=1e-8)
-    assert np.allclose(points(line.geometry())[2], (500, 500), atol=1e-6)
+    assert np.allclose(points(line.geometry())[-1], (500, 500), atol=1e-6)
+
+
+def test_towns_stay_on_their_road(run, land, focus, layer, tmp_path):
+    """A straight road through the region bends there, and no province gets a gap to the next."""
+    at = np.linspace(-5.0, 35.0, 401)[1:-1]
+    towns = layer("Point?crs=EPSG:3035", [(f"POINT({x!r} {x / 4 + 1!r})", []) for x in at.tolist()])
+    road = layer("MultiLineString?crs=EPSG:3035", [("MULTILINESTRING((35 9.75, -5 -0.25), (1 1, 2 2))", [])])
+    provinces = layer("Polygon?crs=EPSG:3035", [
+        ("POLYGON((0 -10, 30 20, 30 -10, 0 -10))", []), ("POLYGON((0 -10, 0 20, 30 20, 0 -10))", []),
+    ])  # fmt: skip
+    more = {"ALONG": [towns, road, provinces], "CARRIED": str(tmp_path / "carried.gpkg")}
+    results = run(TOOL, parameters(land, focus, **more))
+    towns, road, provinces = (
+        [f.geometry() for f in QgsVectorLayer(address, "", "ogr").getFeatures()]
+        for address in results["CARRIED_LAYERS"]
+    )
+    assert len(towns) == len(at) and max(town.distance(road[0]) for town in towns) < 1e-9 * 30
+    straight = QgsGeometry.fromWkt("LINESTRING(35 9.75, -5 -0.25)")
+    assert max(town.distance(straight) for town in towns) > 0.3
+    assert all(province.isGeosValid() for province in provinces)
+    shared = [{(v.x(), v.y()) for v in one.vertices()} for one in provinces]
+    assert len(shared[0] & shared[1]) > 10
+    assert sum(one.area() for one in provinces) == pytest.approx(900.0)
 
 
 def test_z_and_m_and_multipart(run, layer, focus):
@@ -398,3 +423,15 @@ def test_a_carried_feature_without_a_place_in_the_map(run, land, focus, layer, t
     assert (lost["name"], kept["name"]) == ("nowhere", "here")
     assert lost.geometry().isEmpty() and not kept.geometry().isEmpty()
     assert any("have no place" in text for text in feedback.warnings)
+
+
+def test_what_is_too_narrow_to_stay_valid_is_told(run, layer, feedback):
+    """The long sides of the third are one where the border of the others crosses them."""
+    left, right = "POLYGON((0 0,30 0,33 100,0 100,0 0))", "POLYGON((30 0,100 0,100 100,33 100,30 0))"
+    thin = "POLYGON((10 50,90 50,90 50.000000001,10 50.000000001,10 50))"
+    fields = layer("Polygon?crs=EPSG:3035", [(one, []) for one in (left, right, thin)])
+    region = layer("Polygon?crs=EPSG:3035", [("POLYGON((40 60,60 60,60 80,40 80,40 60))", [])])
+    results = run(TOOL, parameters(fields, region, SCALE=2, GROWTH=200), feedback)
+    valid = [feature.geometry().isGeosValid() for feature in features(results)]
+    told = [text for text in feedback.warnings if text.startswith("No longer valid")]
+    assert valid == [True, True, False] and len(told) == 1 and told[0].endswith("feature 3.")

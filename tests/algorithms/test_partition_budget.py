@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from isthmus.core.partition import features
 from qgis.core import NULL, QgsProcessingException, QgsProperty, QgsVectorLayer
 
 from .test_partition import ANNULUS, BOWTIE, DUMBBELL, EVERYWHERE, partition, rows
@@ -73,6 +74,14 @@ def test_a_budget_that_cannot_be_met(run, layer, feedback):
     assert "Self-intersection" in statuses[2]
     assert rows(results["OUTPUT"])[0]["tau"] == NULL
     assert results["SKIPPED_COUNT"] == len(feedback.warnings) == 2
+
+
+def test_a_detour_that_is_not_proven_least_is_told(run, rooms, feedback, monkeypatch):
+    together = features.together
+    monkeypatch.setattr(features, "together", lambda *given: [(a, False) for a, _ in together(*given)])
+    results = within_budget(run, rooms, feedback, BUDGET=2)
+    (text,) = feedback.warnings
+    assert f"Feature 1: a smaller detour than {results['MAX_DILATION']:.6g} may be possible" in text
 
 
 @pytest.mark.parametrize("budget", [-1, math.nan])

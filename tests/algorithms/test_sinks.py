@@ -1,8 +1,12 @@
 """What is on disk after a run: everything, or nothing."""
 
+import os
+
 import pytest
 from osgeo import gdal
 from qgis.core import (
+    QgsApplication,
+    QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingFeatureSourceDefinition,
     QgsProcessingOutputLayerDefinition,
@@ -12,6 +16,7 @@ from qgis.core import (
     QgsVectorLayer,
 )
 
+from isthmus.algorithms.layers import sinks
 from isthmus.tests.full_disk import small_files
 
 from .test_partition import BOWTIE, DUMBBELL, partition
@@ -38,16 +43,14 @@ def layers_of(path):
 
 
 @pytest.mark.parametrize("ending, room", [
-    ("gpkg", 4_000), ("gpkg", 130_000), ("shp", 4_000), ("shp", 60_000), ("geojson", 4_000),
+    ("gpkg", 4_000), ("gpkg", 130_000), ("shp", 50), ("shp", 4_000), ("shp", 60_000), ("geojson", 4_000),
     ("geojson", 60_000), ("csv", 20_000),
 ])  # fmt: skip
 def test_a_full_disk_is_said_and_leaves_nothing(run, source, tmp_path, ending, room):
     """A GeoJSON file that broke off used to be called a success."""
     with small_files(room), pytest.raises(QgsProcessingException):
         partition(run, source, OUTPUT=str(tmp_path / f"parts.{ending}"))
-    # a GeoPackage for which there is not even room to be made is left by QGIS, without a layer
-    left = [path for path in tmp_path.iterdir() if (ending, room) != ("gpkg", 4_000)]
-    assert not left
+    assert not list(tmp_path.iterdir())
     partition(run, source, OUTPUT=str(tmp_path / f"parts.{ending}"))
     assert layers_of(tmp_path / f"parts.{ending}") == {"parts": 3 * MANY}
 
@@ -74,6 +77,19 @@ def test_a_cancelled_run_leaves_no_file_that_looks_complete(run, source, tmp_pat
     assert any("removed" in text for text in feedback.infos)
 
 
+@pytest.mark.parametrize("room", [40, 300])
+def test_a_table_without_geometry_in_a_shapefile_goes_too(run, few, tmp_path, cancelling, room):
+    """GDAL makes only its .dbf: one that broke off was called a success, and after a cancel it was left."""
+    given = {"INPUT": few, "CLASS": "name", "OUTPUT": "memory:", "ADJACENCY": str(tmp_path / "pairs.shp")}
+    with small_files(room), pytest.raises(QgsProcessingException, match="could|Could"):
+        run("isthmus:tradeoff", {"INPUT": few, "OUTPUT": str(tmp_path / "steps.shp")})
+    assert not list(tmp_path.iterdir())
+    run("isthmus:prepareaggregation", given, cancelling(1))
+    assert not list(tmp_path.iterdir())
+    run("isthmus:prepareaggregation", given)
+    assert (tmp_path / "pairs.dbf").is_file()
+
+
 def test_other_layers_of_a_geopackage_stay(run, source, tmp_path, cancelling):
     path = tmp_path / "all.gpkg"
     partition(run, source, OUTPUT=str(path))
@@ -98,6 +114,60 @@ def test_a_cancelled_curve_leaves_no_table_and_no_report(run, source, tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("tool, more", [
+    ("partition", ["OUTPUT", "CUTS", "DIAGONALS"]), ("hierarchy", ["OUTPUT", "CUTS"]),
+    ("tradeoff", ["OUTPUT", "REPORT"]), ("prepareaggregation", ["OUTPUT", "ADJACENCY"]),
+    ("aggregate", ["OUTPUT", "ASSIGNMENT", "REPORT"]), ("focusmap", ["OUTPUT", "EDGES_USED"]),
+])  # fmt: skip
+def test_a_cancel_at_any_time_leaves_nothing(run, layer, tmp_path, cancelling, tool, more):
+    """A report that was removed used to be in the results, and a map not read yet had no area with a class."""
+
+    class Asked(cancelling):
+        calls, last = 0, None
+
+        def isCanceled(self):
+            self.calls += 1
+            if self.calls == self.last:
+                self.cancel()
+            return super().isCanceled()
+
+    boxes = [
+        (f"POLYGON(({x} 0,{x + 10} 0,{x + 10} 10,{x} 10,{x} 0))", ["ab"[x // 10 % 2]])
+        for x in range(0, 80, 10)
+    ]
+    areas = layer("Polygon?crs=EPSG:25832&field=code:string", boxes)
+    given = {"INPUT": areas}
+    if tool == "focusmap":
+        given["FOCUS"] = layer("Polygon?crs=EPSG:25832", [("POLYGON((25 -1,45 -1,45 11,25 11,25 -1))", [])])
+    elif "aggreg" in tool:
+        given["CLASS"] = "code"
+    if tool == "aggregate":
+        made = run("isthmus:prepareaggregation", {**given, "OUTPUT": "memory:", "ADJACENCY": "memory:"})
+        given |= {
+            "INPUT": made["OUTPUT"],
+            "ADJACENCY": made["ADJACENCY"],
+            "THRESHOLD": 250,
+            "METHOD": "greedy",
+        }
+    for name in more:
+        given[name] = str(tmp_path / f"{name}.{'html' if name == 'REPORT' else 'gpkg'}")
+    feedback = Asked()
+    results = run(f"isthmus:{tool}", given, feedback)
+    assert all(results[name] == given[name] for name in more) and len(list(tmp_path.iterdir())) >= len(more)
+    calls, cancelled = feedback.calls, 0
+    for last in sorted({1, 2, 3, calls // 3, 2 * calls // 3, calls - 4, calls - 2, calls - 1}):
+        for path in tmp_path.iterdir():
+            path.unlink()
+        feedback = Asked()
+        feedback.last = last
+        results = run(f"isthmus:{tool}", given, feedback)
+        if feedback.isCanceled():
+            cancelled += 1
+            assert not list(tmp_path.iterdir()) and not set(more) & set(results)
+            assert not [text for text in feedback.warnings if "Cancelled" not in text]
+    assert cancelled >= 4
+
+
 def test_a_curve_that_could_not_be_written_takes_its_report_with_it(run, layer, tmp_path):
     """The end of a GeoPackage is written last; only then the disk may turn out to be full."""
     nothing = layer("Polygon?crs=EPSG:3857", [])
@@ -118,6 +188,54 @@ def test_a_second_result_that_cannot_be_made_takes_the_first_with_it(run, source
     with pytest.raises(QgsProcessingException, match="nowhere"):
         partition(run, source, OUTPUT=str(tmp_path / "parts.gpkg"), CUTS="/proc/nowhere/cuts.gpkg")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("tool, name, file", [
+    ("partition", "CUTS", "cuts.gpkg"),
+    ("hierarchy", "OUTPUT", "deeper/and/deeper/parts.gpkg"),
+    ("tradeoff", "REPORT", "report.html"),
+    ("aggregate", "REPORT", "report.html"),
+    ("aggregate", "OUTPUT", "regions"),
+    ("focusmap", "OUTPUT", "map.shp"),
+    ("prepareaggregation", "ADJACENCY", "pairs.csv"),
+])  # fmt: skip
+def test_what_may_not_be_written_is_said_before_anything_is_computed(
+    provider, few, tool, name, file, tmp_path, monkeypatch
+):
+    """The tools for whole maps used to find out after minutes."""
+    made = QgsApplication.processingRegistry().algorithmById(f"isthmus:{tool}")
+    given = {"INPUT": few, "FOCUS": few, "CLASS": "name", "THRESHOLD": 1, "OUTPUT": "memory:"}
+    given = {key: value for key, value in given.items() if made.parameterDefinition(key)}
+    if made.parameterDefinition("ADJACENCY"):
+        given["ADJACENCY"] = few if tool == "aggregate" else "memory:"
+    context = QgsProcessingContext()
+    context.setProject(QgsProject.instance())
+    given[name] = str(tmp_path / file)
+    assert made.checkParameterValues(given, context) == (True, "")
+    # root may write anywhere but to a disk that is mounted for reading
+    locked = lambda path, mode: mode != os.W_OK or str(path) != str(tmp_path)  # noqa: E731
+    monkeypatch.setattr(sinks.os, "access", locked)
+    good, problem = made.checkParameterValues(given, context)
+    assert not good and problem.startswith(f"{name} cannot be written to {tmp_path}/{file}")
+    assert problem.endswith(f"nothing may be written to the folder {tmp_path}. Choose another place.")
+
+
+def test_a_file_that_may_not_be_changed(run, few, tmp_path, monkeypatch):
+    path = tmp_path / "parts.gpkg"
+    partition(run, few, OUTPUT=str(path))
+    monkeypatch.setattr(sinks.os, "access", lambda file, mode: str(file) != str(path))
+    with pytest.raises(QgsProcessingException, match="OUTPUT cannot be written .*: the file there may not"):
+        partition(run, few, OUTPUT=str(path))
+    assert layers_of(path) == {"parts": 9}
+
+
+def test_a_file_that_is_no_folder_and_a_folder_that_is_not_there(run, few, tmp_path):
+    (tmp_path / "file.txt").write_text("x")
+    with pytest.raises(QgsProcessingException, match="CUTS cannot be written to .*file.txt is no folder"):
+        partition(run, few, CUTS=str(tmp_path / "file.txt" / "deep" / "cuts.gpkg"))
+    with pytest.raises(QgsProcessingException, match="OUTPUT cannot be written to .*there is no such folder"):
+        partition(run, few, OUTPUT=str(tmp_path / "new" / "parts.gpkg"))
+    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
 
 
 def test_a_format_that_drops_features_is_said(run, layer, tmp_path):

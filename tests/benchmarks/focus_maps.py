@@ -47,6 +47,7 @@ def main():
         "--sheet", type=Path, help="the best six and the worst three in the folder, in one picture"
     )
     arguments.add_argument("--only", default="", help="cases with this in their name")
+    arguments.add_argument("--unchecked", action="store_true", help="rules without the independent checker")
     arguments.add_argument("--cover", type=Path, nargs="*", default=[])
     asked = arguments.parse_args()
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -113,7 +114,7 @@ def measure(asked, name, features, focus, scale=2.0, growth=2.0, check=True, tol
     )  # fmt: skip
     if told:
         print(f"| {' | '.join(map(str, numbers_))} |", flush=True)
-    elif found[0] != "ok" or any(found[2:]):
+    elif check and (found[0] != "ok" or any(found[2:])):
         print(f"{name}: {found}", flush=True)
     if asked.draw:
         file = f"{name.replace(' ', '_').replace(',', '')}.png"
@@ -180,6 +181,7 @@ def rules(asked):
                 features,
                 focus,
                 scale,
+                check=not asked.unchecked,
                 told=False,
                 tau=tau,
                 rule=rule_of(rule, natural, smallest),
@@ -193,18 +195,17 @@ def rules(asked):
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
     for size in "lihf":
-        row(f"Great Britain {size}, Wales", *great_britain(size))
-    shapes, features = european()
-    for code in EUROPE:
-        row(
-            f"Europe, {code}, x 3",
-            features,
-            shapely.union_all([s for name, s in shapes if name == code]),
-            3.0,
-        )
-    shapes, features = worldwide()
-    for code in WORLD:
-        row(f"world, {code}", features, shapely.union_all([s for name, s in shapes if name == code]))
+        if asked.only in f"Great Britain {size}, Wales":
+            row(f"Great Britain {size}, Wales", *great_britain(size))
+    for place, made, codes, scale, end in (
+        ("Europe", european, EUROPE, 3.0, ", x 3"),
+        ("world", worldwide, WORLD, 2.0, ""),
+    ):
+        codes = [code for code in codes if asked.only in f"{place}, {code}{end}"]
+        shapes, features = made() if codes else ((), ())
+        for code in codes:
+            focus = shapely.union_all([shape for name, shape in shapes if name == code])
+            row(f"{place}, {code}{end}", features, focus, scale)
     for name, shapes, kind, focus in covers(asked):
         row(f"{name}, {kind}", [feature(shape) for shape in shapes], focus)
 

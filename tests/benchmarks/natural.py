@@ -471,6 +471,20 @@ def interval(u, v, step):
 # -------------------------------------------------------------------------------------------- basins
 
 
+# Waters that these data do not name, by a place in the mouth of each (degrees), as sea charts have them.
+UNNAMED = {
+    "the Bothnian Bay, north of the Quark": (19.8, 62.8),
+    "the Arkona Basin": (13.2, 54.9),
+    "the east of the Gulf of Finland": (27.8, 60.1),
+    "Green Bay": (-87.5, 45.0),
+    "Saginaw Bay": (-83.5, 44.0),
+    "Georgian Bay, Main Channel": (-81.7, 45.4),
+    "Georgian Bay, Little Current": (-81.7, 45.9),
+    "the North Channel": (-82.7, 46.1),
+    "the Gulf of Bahrain": (50.6, 26.2),
+}
+
+
 def measured_basins():
     import json
 
@@ -480,11 +494,13 @@ def measured_basins():
 
     def read(name):
         text = json.loads((folder / f"{name}.geojson").read_text())
-        return [shapely.from_geojson(json.dumps(one["geometry"])) for one in text["features"]]
+        names = [one["properties"].get("name", "") for one in text["features"]]
+        return [shapely.from_geojson(json.dumps(one["geometry"])) for one in text["features"]], names
 
-    rows = []
+    rows, drawn = [], []
     for name in ("baltic", "michigan_huron", "persian_oman"):
-        sea, truth = read(f"{name}_input")[0], [shapely.make_valid(one) for one in read(f"{name}_truth")]
+        (sea,), (truth, names) = read(f"{name}_input")[0], read(f"{name}_truth")
+        truth = [shapely.make_valid(one) for one in truth]
         told = shapes.from_shapely(sea)
         prepared = solve.prepare(
             one_polygon(*told), natural=True, smallest=SMALLEST * ground(sea).area, measure=GLOBE
@@ -503,8 +519,21 @@ def measured_basins():
             if tau == TAU:
                 NOTED[f"agreement_{name}"] = round(found, 2)
                 NOTED[f"joined_{name}"] = round(joined, 2)
+                cuts = prepared.polygons.xy[prepared.edges[selection.selected]] * prepared.polygons.unit[0]
+                km = prepared.chord[selection.selected] / 1000.0
+                told_rows, with_unnamed = told_of_cuts(cuts, km, parts, truth, names)
+                drawn += [(name, *row) for row in told_rows]
             rows.append(
-                (name, len(truth), tau, len(parts), len(selection.selected), f"{found:.2f}", f"{joined:.2f}")
+                (
+                    name,
+                    len(truth),
+                    tau,
+                    len(parts),
+                    len(selection.selected),
+                    f"{found:.2f}",
+                    f"{joined:.2f}",
+                    f"{with_unnamed:.2f}" if tau == TAU else "",
+                )
             )
         # the hierarchy's level with as many parts as there are names
         selection = solve.select(prepared, 1.0)
@@ -524,11 +553,56 @@ def measured_basins():
                         rank,
                         f"{found:.2f}",
                         f"{joined:.2f}",
+                        "",
                     )
                 )
                 break
     print("Named seas and lakes (ARI by area); to reach: 0.8 where the truth has that many names")
-    table(("water", "names", "tau", "parts", "cuts", "ARI", "ARI, parts of one name joined"), rows)
+    table(
+        ("water", "names", "tau", "parts", "cuts", "ARI", "parts of one name joined", "unnamed waters named"),
+        rows,
+    )
+    print("Each cut at the defaults: between two names, right though nobody named it, or not right")
+    table(("water", "from", "to", "km", "parts beside it, 1,000 km2", "what it divides"), drawn)
+
+
+def told_of_cuts(cuts, km, parts, truth, names):
+    """A row for each cut: its ends in degrees, its length, the parts beside it, and what it divides.
+
+    A part is of the water in which most of it lies. Also the ARI against the truth with what UNNAMED tells of.
+    """
+    region = ground(np.array(parts))
+    area = shapely.area(region) / 1e9
+    water = shapely.area(shapely.intersection(region[:, None], ground(np.array(truth))[None])).argmax(axis=1)
+    corners = [set(map(tuple, shapely.get_coordinates(part).tolist())) for part in parts]
+    rows, group = [], np.arange(len(parts))  # parts that should be one
+    for ends, length in sorted(zip(cuts.tolist(), km), key=lambda row: row[1]):
+        beside = [k for k, own in enumerate(corners) if own.issuperset(map(tuple, ends))]
+        beside.sort(key=area.__getitem__)
+        middle = np.mean(ends, axis=0)
+        unnamed = [name for name, place in UNNAMED.items() if np.abs(middle - place).max() < 0.2]
+        if len(set(water[beside])) > 1:
+            what = " and ".join(names[water[k]] for k in beside)
+        elif unnamed:
+            what = f"not named: {unnamed[0]}"
+        else:
+            what = f"not right: {names[water[beside[0]]]}"
+            group[group == group[beside[0]]] = group[beside[1]]
+        places = (f"{y:.2f} N {abs(x):.2f} {'W' if x < 0 else 'E'}" for x, y in ends)
+        rows.append((*places, f"{length:.0f}", " and ".join(f"{area[k]:.1f}" for k in beside), what))
+    waters = []
+    for k, whole in enumerate(truth):
+        own = [parts[group == g] for parts, g in ((np.array(parts), g) for g in np.unique(group[water == k]))]
+        nearest = [shapely.union_all(one) for one in own]
+        if len(nearest) < 2:
+            waters.append(whole)
+            continue
+        cells = [shapely.intersection(whole, one) for one in nearest]
+        rest = shapely.difference(whole, shapely.union_all(nearest))
+        largest = int(np.argmax(shapely.area(cells)))
+        cells[largest] = shapely.union(cells[largest], rest)
+        waters += cells
+    return rows, rand_indices(parts, waters)[0]
 
 
 def rand_indices(parts, truth):

@@ -43,6 +43,7 @@ COLUMNS = {
     "geopackage": "the same, GeoPackage to GeoPackage",
     "new_vertices": "the same with new vertices",
     "natural": "default parameters, degrees where it is a coast",
+    "hierarchy": "isthmus:hierarchy, the same way",
     "subdivide": "native:subdivide",
     "opening": "buffer opening",
 }
@@ -168,7 +169,7 @@ def measure_in_qgis(column, ring):
     feature = QgsFeature()
     feature.setGeometry(geometry)
     # a coast as it comes; the other columns compare with Triangle, which knows no ellipsoid
-    degrees = column == "natural" and np.abs(ring[:, 1]).max() <= 90.0
+    degrees = column in ("natural", "hierarchy") and np.abs(ring[:, 1]).max() <= 90.0
     layer = QgsVectorLayer(f"Polygon?crs=EPSG:{4326 if degrees else 3857}", "layer", "memory")
     layer.dataProvider().addFeature(feature)
     with tempfile.TemporaryDirectory() as folder:
@@ -186,6 +187,8 @@ def measure_in_qgis(column, ring):
             tool, more = "isthmus:partition", {"TAU": TAU, "PLACES": "Any", "SMALLEST_PART": 0}
             if column == "natural":
                 more = {}
+            if column == "hierarchy":
+                tool, more = "isthmus:hierarchy", {}
             if column == "new_vertices":
                 more["NEW_VERTICES"] = True
             parameters.setdefault("CUTS", "memory:")

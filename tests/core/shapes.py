@@ -255,6 +255,59 @@ TOUCHING = {
 }
 
 
+def touching_holes(seed, width, height, share=1.0, circles=0):
+    """A lattice of holes that touch each other and the shell, at vertices and in edges, in random trees.
+
+    ``share`` of what can touch does, but no circle closes: such a polygon is valid. Each of ``circles``
+    closes one that walls in a piece of the interior: such a polygon is not.
+    """
+    rng = np.random.default_rng([4, seed, width, height])
+    ahead = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
+    count = width * height  # also the number of the shell
+    sites = [(i, j) for i in range(width) for j in range(height)]
+    inside = lambda x, y: 0 <= x < width and 0 <= y < height  # noqa: E731
+    pairs = []
+    for a, (i, j) in enumerate(sites):
+        for d, (x, y) in enumerate(ahead.tolist()):
+            if not inside(i + x, j + y):
+                pairs.append((a, count, d))
+            elif d < 2:
+                pairs.append((a, a + x * height + y, d))
+    tree, ends, closing = list(range(count + 1)), {}, []
+
+    def root(a):
+        while tree[a] != a:
+            tree[a] = a = tree[tree[a]]
+        return a
+
+    def touch(a, b, d):
+        """Tip to tip, or the tip of one in an edge of the other."""
+        kind = int(rng.integers(3))
+        ends[a, d] = "edge" if kind == 1 and b < count else "tip"
+        if b < count:
+            ends[b, d + 2] = "edge" if kind == 2 else "tip"
+
+    for k in rng.permutation(len(pairs)).tolist():
+        a, b, d = pairs[k]
+        if root(a) == root(b):
+            closing.append(pairs[k])
+        elif rng.random() < share:
+            tree[root(a)] = root(b)
+            touch(a, b, d)
+    assert len(closing) >= circles
+    for a, b, d in closing[:circles]:
+        touch(a, b, d)
+    holes = []
+    for a, (i, j) in enumerate(sites):
+        ring = []
+        for d, e in enumerate(ahead):
+            side = np.array([e[1], -e[0]])
+            end = ends.get((a, d))
+            ring += [2 * e + side, 2 * e - side] if end == "edge" else [2 * e if end else e]
+        holes.append(np.array(ring[::-1]) + [4 * i, 4 * j])
+    return shape(box(-2, -2, 4 * width - 2, 4 * height - 2), *holes)
+
+
 def lattice_of_holes(k):
     """A square with k * k square holes, all gaps alike."""
     side = 2 * k + 1

@@ -196,6 +196,9 @@ def usable(polygon):
     rings = [_distinct(ring[:, :2]) for ring in polygon]
     if any(len(ring) < 3 for ring in rings):
         return False
+    power = _scale(rings)
+    if any((np.ldexp(np.ldexp(ring, power), -power) != ring).any() for ring in rings):
+        return False  # from 1e200 to 1e-300: doubles do not hold both in one unit
     return bool(shapely.is_valid(_shape(rings)))
 
 

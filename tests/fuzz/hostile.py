@@ -123,6 +123,37 @@ def holes(rng):
     return [shapes.lattice_of_holes(int(rng.integers(1, 4))).rings]
 
 
+def touching_holes(rng):
+    """Trees of holes that touch; in some there is a circle, which makes the polygon invalid."""
+    width, height = rng.integers(2, 6, 2).tolist()
+    circles = int(rng.random() < 0.2)
+    share = float(rng.choice([0.5, 0.7])) if not circles else 1.0
+    return [shapes.touching_holes(_seed(rng), width, height, share, circles).rings]
+
+
+def islands(rng):
+    """Islands in the holes of islands, each in touch with what is around it at a vertex."""
+    result = touching_holes(rng)
+    waiting = [(ring, 0) for ring in result[0][1:]]
+    while waiting:
+        ring, depth = waiting.pop()
+        if rng.random() < 0.6 and depth < 4:
+            inner = _within_a_ring(ring, rng)
+            if depth % 2 == 0:
+                result.append([inner])
+            else:
+                result[-1].append(inner)
+            waiting.append((inner, depth + 1))
+    return result
+
+
+def _within_a_ring(ring, rng):
+    """A triangle in a convex ring that touches it at a vertex."""
+    k, centre = int(rng.integers(len(ring))), ring.mean(axis=0)
+    beside = ring[[k - 1, (k + 1) % len(ring)]]
+    return np.concatenate((ring[k : k + 1], centre + (beside - centre) / 4))
+
+
 def nested(rng):
     """Rings in rings in rings: holes in holes, equal rings, holes outside."""
     count = int(rng.integers(2, 5))
@@ -175,9 +206,9 @@ def nothing(rng):
 
 SINGLE = [
     small_tour, tour, lattice_tour, random_ring, mosaic, lattice_mosaic, polyomino, star, comb, spiral,
-    corridor, koch, sliver, teeth, circle, holes, nested, by_hand, triangle_or_square,
+    corridor, koch, sliver, teeth, circle, holes, touching_holes, nested, by_hand, triangle_or_square,
 ]  # fmt: skip
-KINDS = {kind.__name__: kind for kind in [*SINGLE, many, nothing]}
+KINDS = {kind.__name__: kind for kind in [*SINGLE, many, islands, nothing]}
 
 
 def _polygons(area):

@@ -43,7 +43,7 @@ def test_every_kind_place_and_mutation(tools):
         outcome = cases.run(case)
         counts = holds.check(case, outcome, np.random.default_rng(SEED))
         cases.clean(outcome)
-        assert counts["features solved"] > 35 and counts["features passed through"] > 8
+        assert counts["features solved"] > 35 and counts["features passed through"] > 6
         assert counts["features told otherwise"] == len(recipes)
 
 

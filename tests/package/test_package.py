@@ -125,6 +125,17 @@ def test_degrees_are_metres_on_the_ellipsoid(package):
     assert found.cut_fields["length"][-2:].tolist() == [2, 2]
 
 
+def test_what_a_focus_map_makes_invalid_is_told(package):
+    """The long sides of the third are one where the border of the others crosses them."""
+    pytest.importorskip("scipy")
+    left = shapely.Polygon([(0, 0), (30, 0), (33, 100), (0, 100)])
+    right = shapely.Polygon([(30, 0), (100, 0), (100, 100), (33, 100)])
+    thin = shapely.box(10, 50, 90, 50 + 1e-9)
+    with pytest.warns(UserWarning, match="1 of 3 features are no longer valid .*: 2: narrower"):
+        found = package.enlarge([left, right, thin], shapely.box(40, 60, 60, 80), scale=2)
+    assert shapely.is_valid(found.map).tolist() == [True, True, False]
+
+
 def test_options_for_each_feature(package):
     tau = package.partition([ROOMS, ROOMS], tau=[3, 50], smallest_part=[0, 0])
     assert tau.part_fields["parts"].tolist() == [3, 3, 3, 1]

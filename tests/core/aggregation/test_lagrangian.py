@@ -128,5 +128,5 @@ def test_it_stops_in_time():
 def test_who_faces_a_part():
     # 0 - 1 - 2 - 3, and 4 beyond 3: from 0 only 1 faces the part {2}
     adjacent = [[1], [0, 2], [1, 3], [2, 4], [3]]
-    assert facing(adjacent, 0, {1, 3}, {2}) == {1}
-    assert facing(adjacent, 4, {1, 3}, {2}) == {3}
+    assert facing(adjacent, 0, {1, 3}) == {1}
+    assert facing(adjacent, 4, {1, 3}) == {3}

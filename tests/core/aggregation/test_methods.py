@@ -1,13 +1,16 @@
 """The three methods: always feasible; exact is exact; annealing does not cost more than greedy."""
 
+from itertools import combinations
 from time import sleep
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from isthmus.core.aggregation import annealing as annealing_stage
 from isthmus.core.aggregation import methods
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
-from isthmus.core.aggregation.exact import exact, problems_of, require_highs
+from isthmus.core.aggregation.exact import _Part, exact, problems_of, require_highs
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
 from isthmus.core.aggregation.instance import (
     Solution,
@@ -86,6 +89,34 @@ def test_exact_is_the_cheapest_of_all_partitions(seed, by_class):
             assert costs(problem, result.found).total == pytest.approx(best, rel=1e-6)
 
 
+@needs_highs
+@pytest.mark.parametrize("decompose", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_what_exact_begins_with_is_kept_where_nothing_cheaper_is_proven(seed, decompose):
+    problem = random_map(seed, n=30)
+    begin = annealing(problem, iterations=4000)
+    result = exact(problem, 0.0, decompose, begin)
+    check(problem, result.found)
+    assert result.proven or costs(problem, result.found).total <= costs(problem, begin).total
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_pairs_may_save_where_only_cores_have_areas(seed):
+    """Against all sets of cores; those behind the free ones are there anyway."""
+    rng = np.random.default_rng(seed)
+    free, fixed, most = (int(k) for k in rng.integers((1, 0, 0), (6, 3, 4)))
+    own = np.append(np.sort(rng.permutation(7)[:free]), np.arange(7, 7 + fixed))
+    reduced = rng.integers(-5, 6, (7 + fixed, len(own))).astype(float)
+    part = SimpleNamespace(own=own, free=7, _most=lambda: most)
+    saved = [
+        reduced[u, j] + sum(min(cost, 0.0) for v, cost in enumerate(reduced[:, j]) if v != u)
+        for j, u in enumerate(own)
+    ]
+    sets = (s for k in range(most + 1) for s in combinations(saved[:free], k))
+    expected = min(sum(s) for s in sets) + sum(min(0.0, s) for s in saved[free:])
+    assert _Part._by_cores(part, reduced) == expected
+
+
 @pytest.mark.parametrize("by_class", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_heuristics_are_feasible_and_not_below_the_optimum(seed, by_class):
@@ -133,8 +164,18 @@ def test_the_time_of_exact_is_that_of_its_first_solution_too(monkeypatch):
 
     monkeypatch.setattr(methods, "annealing", slow)
     monkeypatch.setattr(methods, "exact", bounded)
-    methods.by_method(problem, "exact", seconds=2.0)
-    assert told[0] <= 1.0 and took[0] <= 1.4
+    methods.by_method(problem, "exact", seconds=4.0)
+    assert told[0] <= 2.0 and 0.0 < took[0] <= 3.4
+
+
+def test_the_scale_of_prices_is_that_of_moves_that_may_be_made(monkeypatch):
+    """Most moves of a map may be impossible: with their price it was infinitely hot."""
+    delta = np.array([np.inf, -1.0, 3.0, np.inf, 0.0, 1.0, np.inf, np.inf, 2.0, np.inf])
+    monkeypatch.setattr(annealing_stage, "draw", lambda regions, rng, count: ())
+    monkeypatch.setattr(annealing_stage, "prices", lambda regions, terms: delta)
+    assert annealing_stage._scale(None, None, 0.0) == 2.0
+    delta = delta[:2]
+    assert annealing_stage._scale(None, None, 0.0) == 1.0
 
 
 def test_same_seed_same_result_another_seed_another():
@@ -337,6 +378,19 @@ def test_greedy_joins_what_costs_least_by_hand():
 
 
 @needs_highs
+@pytest.mark.parametrize("by_class", [False, True])
+def test_greedy_passes_over_no_core_that_is_cheaper(by_class, monkeypatch):
+    """It compares cores only where a bound on the cost of the other one does not tell."""
+    maps = [random_map(seed, n=40, by_class=by_class, centre=2.0 / (1 + seed % 4)) for seed in range(40)]
+    maps = [problem._replace(spread=30.0 * problem.spread) for problem in maps]  # as wide as they are far
+    quick = [greedy(problem) for problem in maps]
+    monkeypatch.setattr("isthmus.core.aggregation.greedy.NEARLY", np.inf)
+    for problem, found in zip(maps, quick):
+        other = greedy(problem)
+        assert found.region.tolist() == other.region.tolist()
+        assert found.core.tolist() == other.core.tolist()
+
+
 def test_exact_of_forty_areas_by_columns_and_cuts():
     """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
     problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))

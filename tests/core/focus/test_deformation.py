@@ -128,6 +128,20 @@ def test_a_triangle_that_becomes_flat_has_turned():
         assert mesh.turned(before, after, np.array([(0, 1, 2)])).tolist() == [wrong]
 
 
+def test_a_flat_triangle_that_turns_tells_of_lines_that_cross():
+    """A point of a line that nearly touches another one, farther from it than what counts as touching."""
+    before = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 5e-12), (0.5, 1.0)])
+    after = before.copy()
+    after[2, 1] = -5e-12
+    triangles = np.array([(0, 1, 2), (1, 3, 2), (0, 2, 3)])
+    assert not mesh.turned(before, after, triangles).any()
+    lines = np.array([(0, 1), (2, 3)])
+    assert mesh.crossed(before, after, triangles, lines).tolist() == [True, False, False]
+    assert not mesh.crossed(before, after, triangles, lines[:1]).any()
+    assert not mesh.crossed(after, after, triangles, lines).any()  # they did before
+    assert not mesh.crossed(before, before, triangles, lines).any()
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_node_leaves_no_crossing(seed):
     rng = np.random.default_rng(seed)

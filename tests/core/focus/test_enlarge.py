@@ -6,6 +6,7 @@ import shapely
 
 pytest.importorskip("scipy")
 
+import isthmus.core.focus.enlarge as road
 from isthmus.core.errors import Cancelled, Unsolvable
 from isthmus.core.focus.carrying import Carrier
 from isthmus.core.focus.enlarge import enlarge
@@ -195,11 +196,9 @@ def test_half_of_a_map_and_five_times():
         )
 
 
-@pytest.mark.parametrize("seed, n, most", [(0, 18, 3000), (1, 18, 3000), (2, 18, 3000), (2, 30, 100)])
-def test_a_raster_holds_for_other_diagonals(seed, n, most):
-    """Any triangulation of its squares, solved for or put back: the checker's is another one."""
-    rng = np.random.default_rng(seed)
-    kind = rng.integers(0, 3, (n, n))
+def raster(seed, n):
+    """Rows, starts and polygons of three classes of squares; in the middle of them, a focus."""
+    kind = np.random.default_rng(seed).integers(0, 3, (n, n))
     squares = np.array([[box(x, y, x + 1, y + 1) for x in range(n)] for y in range(n)])
     shapes = shapely.get_parts([shapely.union_all(shapely.polygons(squares[kind == k])) for k in range(3)])
     features = [[shapely.get_coordinates(r) for r in shapely.get_rings(shape)] for shape in shapes]
@@ -207,10 +206,31 @@ def test_a_raster_holds_for_other_diagonals(seed, n, most):
     starts = np.append(0, np.cumsum([len(ring) for ring in rings]))
     number = iter(range(len(rings)))
     polygons = [[next(number) for _ in feature] for feature in features]
-    focus = shapely.box(0.3 * n, 0.3 * n, 0.7 * n, 0.7 * n)
-    result = enlarge(np.concatenate(rings), starts, polygons, focus, 2.0, growth=0.3, most=most)
-    lines = with_splits(np.concatenate(rings), starts, result)
+    return np.concatenate(rings), starts, polygons, shapely.box(0.3 * n, 0.3 * n, 0.7 * n, 0.7 * n)
+
+
+@pytest.mark.parametrize("seed, n, most", [(0, 18, 3000), (1, 18, 3000), (2, 18, 3000), (2, 30, 100)])
+def test_a_raster_holds_for_other_diagonals(seed, n, most):
+    """Any triangulation of its squares, solved for or put back: the checker's is another one."""
+    rows, starts, polygons, focus = raster(seed, n)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=most)
+    lines = with_splits(rows, starts, result)
     assert verify(*lines, [[one] for one in polygons]).good and faults(result, *lines) == []
+    assert result.dented == 0
+
+
+def test_dents_that_cannot_be_put_right_are_solved_for_or_told(monkeypatch):
+    """Nothing else is wrong with such a map."""
+    monkeypatch.setattr(road, "stay_convex", lambda xy, shift, *more: shift)
+    rows, starts, polygons, focus = raster(2, 30)
+    again = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=100)
+    monkeypatch.setattr(road, "ATTEMPTS", 1)
+    once = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=100)
+    lines = with_splits(rows, starts, once)
+    assert once.dented > 0 and verify(*lines, [[one] for one in polygons])[1:] == (0, 0, 0, True)
+    assert faults(once, *lines) == []
+    lines = with_splits(rows, starts, again)
+    assert again.dented == 0 and verify(*lines, [[one] for one in polygons]).good
 
 
 def test_without_a_frame_the_map_grows():
@@ -315,6 +335,68 @@ def test_carrier(focus):
     assert np.allclose(gaps, 1.5 * np.diff(within, axis=0), atol=1e-9)
     far = np.array([(100.0, 100.0), (-50.0, -100.0), (np.nan, 3.0)])
     assert np.array_equal(carrier(far), far, equal_nan=True)
+
+
+def by_brute_force(result, xy):
+    """Where points go: the triangle that holds each best, one after the other; beyond the frame, the nearest."""
+    corner = result.points[result.triangles]
+    shift = (result.moved - result.points)[result.triangles]
+    near = np.clip(xy, result.points.min(axis=0), result.points.max(axis=0))
+    found = np.array(xy)
+    side = np.stack((corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=2)
+    for k, point in enumerate(near):
+        share = np.linalg.solve(side, (point - corner[:, 0])[:, :, None])[:, :, 0]
+        share = np.column_stack((1.0 - share.sum(axis=1), share))
+        best = share.min(axis=1).argmax()
+        assert share[best].min() > -1e-9
+        found[k] += share[best] @ shift[best]
+    return found
+
+
+@pytest.mark.parametrize("focus", [shapely.box(4, -3, 12, 3), shapely.box(1, 1, 3, 3)])
+def test_lines_are_carried_all_along(focus):
+    """Not at their points alone; to both sides alike, and with no points where nothing bends."""
+    rows, starts, polygons = rings_of(circle(60, 10.0))
+    result = enlarge(rows, starts, polygons, focus, 1.5, growth=0.3)
+    carrier = Carrier(result.points, result.moved, result.triangles)
+    rng = np.random.default_rng(1)
+    lines = rng.uniform(-14.0, 14.0, (40, 2))
+    lines[5] = lines[6]
+    lines[20] = np.nan
+    lines = np.concatenate((lines, lines[::-1], rows[:9]))
+    moved, bends = carrier.lines(lines, [0, 40, 40, 80, 89])
+    there, back = (bends[(bends[:, 0] >= lo) & (bends[:, 0] < lo + 39)] for lo in (0, 40))
+    assert np.array_equal(there[:, 1:3], back[::-1, 1:3]) and np.allclose(there[:, 3] + back[::-1, 3], 1.0)
+    assert len(bends) == 2 * len(there) > 2 * 38 and not np.isin(bends[:, 0], (5, 19, 20, 39, 79)).any()
+    share = np.linspace(0.0, 1.0, 41)
+    off = 0.0
+    for row in np.setdiff1d(np.arange(39), (19, 20)):
+        own = bends[bends[:, 0] == row]
+        at = np.concatenate(([0.0], own[:, 3], [1.0]))
+        assert (np.diff(at) > 0.0).all()
+        way = np.concatenate((moved[row : row + 1], own[:, 1:3], moved[row + 1 : row + 2]))
+        carried = np.column_stack([np.interp(share, at, way[:, axis]) for axis in (0, 1)])
+        expected = by_brute_force(result, lines[row] + share[:, None] * (lines[row + 1] - lines[row]))
+        off = max(off, np.abs(carried - expected).max())
+    assert off < 1e-9 * 20.0
+    still = enlarge(rows, starts, polygons, focus, 1.0)
+    assert len(Carrier(still.points, still.moved, still.triangles).lines(lines, [0, len(lines)])[1]) == 0
+
+
+@pytest.mark.parametrize("gap", [1e-8, 1e-5, -1e-3])
+def test_slivers_are_not_in_the_way(gap):
+    """Parcels of size 1 that should meet, and do not quite."""
+    rng = np.random.default_rng(1)
+    post = np.stack(np.meshgrid(*[np.arange(6.0)] * 2, indexing="ij"), axis=-1)
+    post += rng.uniform(-0.2, 0.2, post.shape)
+    corners = [post[i : i + 2, j : j + 2].reshape(4, 2)[[0, 2, 3, 1]] for i in range(5) for j in range(5)]
+    parcels = shapely.buffer(shapely.polygons(corners), -gap * rng.integers(0, 2, 25), join_style="mitre")
+    rows, starts, polygons = rings_of(*(shapely.get_coordinates(one)[:-1] for one in parcels))
+    focus = shapely.box(1.5, 1.5, 3.2, 3.2)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=2.0)
+    lines = with_splits(rows, starts, result)
+    assert result.scale == 2.0 and faults(result, *lines) == []
+    assert verify(*lines, [[one] for one in polygons])[1:] == (0, 0, 0, True)
 
 
 # ---- found by fuzzing

@@ -32,22 +32,29 @@ def test_the_smallest_part_is_a_share_of_the_whole_feature_without_lakes(share, 
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"natural": True, "smallest": 0.01}, {"smallest": 1.0, "min_hole": 3.0, "min_length": 0.5}],
+    [
+        {},
+        {"natural": True, "smallest": 0.01},
+        {"smallest": 1.0, "min_hole": 3.0, "min_length": 0.5},
+        {"smallest": 1.0, "min_hole": 1e10},
+        {"natural": True, "smallest": 0.01, "min_hole": 1e10},
+    ],
 )
 def test_a_polygon_that_cannot_be_triangulated_leaves_the_others_as_they_are(options, monkeypatch):
     """The second of three: the first and the third come out as if they had been alone."""
     tours = [shapes.mosaic(seed, 60) for seed in (1, 2, 3)]
-    triangulate = candidates.triangulate
+    triangulated = candidates.triangulated
 
     def failing(polygons, **more):
-        triangles, verdict = triangulate(polygons, **more)
+        triangles, verdict, sides = triangulated(polygons, **more)
         if len(verdict) == 3:
             verdict[1] = "no triangles"
-            triangles = triangles[polygons.polygon_of_vertex[triangles[:, 0]] != 1]
-        return triangles, verdict
+            triangles, sides = triangles[polygons.polygon_of_vertex[triangles[:, 0]] != 1], None
+        return triangles, verdict, sides
 
     two = solve.prepare(_together(tours[0], tours[2]), **options)
-    monkeypatch.setattr(candidates, "triangulate", failing)
+    assert two.wanted[two.component].all() == (options.get("min_hole", 0.0) < 1e10)  # no hole is left out
+    monkeypatch.setattr(candidates, "triangulated", failing)
     three = solve.prepare(_together(*tours), **options)
     assert three.verdict.tolist() == ["", "no triangles", ""]
     for name in ("edges", "owner", "chord", "length", "detour", "share", "bounded", "edge_length", "wanted"):
@@ -66,3 +73,21 @@ def _together(*all_rings):
     return Rings(
         np.concatenate(coords), offsets_of(np.concatenate(sizes)), offsets_of([len(one) for one in sizes])
     )
+
+
+def test_a_budget_whose_best_detour_is_not_proven_is_told_for_its_feature(monkeypatch):
+    """Where the search for MinLength ends by its time, say."""
+    rings = Rings(
+        np.tile(np.array(HOURGLASS, dtype=float), (2, 1)), np.array([0, 6, 12]), np.array([0, 1, 2])
+    )
+    chunk = stage.Chunk(["one", "other"], rings, np.array([0, 1]), [None, None], metric.planar())
+    no = np.zeros(2)
+    problem = stage.prepare(chunk, natural=False, smallest_part=no, min_length=no, min_hole=no)
+    together = stage.together
+    monkeypatch.setattr(
+        stage,
+        "together",
+        lambda *given: [(answer, k == 0) for k, (answer, _) in enumerate(together(*given))],
+    )
+    selection, unproven = stage.within_budget(problem, [1.0, 1.0])
+    assert unproven == {1: pytest.approx(selection.dilation[1])}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from isthmus.core.partition import min_weight as solver
-from isthmus.core.partition import pareto
+from isthmus.core.partition import exact_fronts, pareto
 from isthmus.core.partition.dual_tree import DualTree, build_tree
 from isthmus.core.partition.min_size import SELF, Network, min_size, network, witness_lengths
 from isthmus.core.partition.min_weight import min_weight
@@ -320,3 +320,17 @@ def test_bad_weights(bad):
     weight[3] = bad
     with pytest.raises(ValueError, match="weights"):
         select(prepared, 2.0, weight=weight)
+
+
+def test_node_by_node_only_points_that_may_be_best_are_kept():
+    """Of demands none that is as large and dearer; of pairs none where either list is too long."""
+    kept = []
+    demand = [(0.0, -1.0), (1.0, -1.0), (2.0, -5.0), (3.0, -9.0)]
+    found = exact_fronts._demands(demand, (9.0, 0.0), np.inf, 4.0, 0.5, kept)
+    assert found == [(0.0, -1.0), (2.0, -4.0)] and kept == [demand[0], demand[2]]
+    offers = [([(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)], []), ([(0.0, 1.0)], [])]
+    demands = [([(9.0, 0.0)], [(0.0, -3.0), (1.0, -4.0), (2.0, -5.0)]), ([(0.0, 0.0)], [])]
+    for fronts, n in ((offers, 3), (demands, 4)):
+        ways = [[(k,) for k in range(n)], [(0,)]]
+        joined = [exact_fronts._in_pairs(fronts, ways, 0.0, 0.0, room) for room in (2, 3)]
+        assert joined[0] is None and sum(map(len, joined[1][0][0])) == n

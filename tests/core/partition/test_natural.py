@@ -411,6 +411,51 @@ def dense(polygon, spacing):
     return shapes.from_shapely(shapely.segmentize(polygon, spacing))
 
 
+def rough(seed):
+    """A star of a few limbs with a rough outline, and a hole in it; no four vertices lie on a circle."""
+    random = np.random.default_rng(seed)
+    rings = []
+    for radius, wave, count in ((10.0, 4.0, 300), (2.5, 0.5, 60)):
+        angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+        far = radius + wave * np.sin(random.integers(3, 7) * angle + random.uniform(0, 6))
+        far += random.uniform(-0.02, 0.02, count) * radius
+        rings.append(np.column_stack((np.cos(angle), np.sin(angle))) * far[:, None])
+    return shapes.shape(*rings)
+
+
+@pytest.mark.parametrize("way", [(-1, 1), (1, -1), (-1, -1), 1j, -1j], ids=str)
+@pytest.mark.parametrize("seed", range(4))
+def test_a_polygon_is_cut_alike_whichever_way_it_lies(seed, way):
+    """Mirrored, or turned by quarters, which rounds nothing, and its rings begun elsewhere."""
+
+    def there(xy):
+        x, y = xy.T
+        return np.column_stack((-way.imag * y, way.imag * x)) if isinstance(way, complex) else xy * way
+
+    def back(xy):
+        x, y = xy.T
+        return np.column_stack((way.imag * y, -way.imag * x)) if isinstance(way, complex) else xy * way
+
+    def told(shape, back):
+        prepared, found, _, edges = natural(shape, 0.03)
+        polygons = prepared.polygons
+        xy = back(polygons.xy)
+        ends = [frozenset(map(tuple, one)) for one in xy[edges].tolist()]
+        sides = np.stack((polygons.vertex, polygons.vertex[polygons.next_corner]), axis=1)
+        length = {frozenset(map(tuple, one)): x for one, x in zip(xy[sides].tolist(), found.edge_length)}
+        cut = {
+            frozenset(map(tuple, one)) for one in xy[prepared.edges[select(prepared, 2.0).selected]].tolist()
+        }
+        return dict(zip(ends, found.why.tolist())), length, cut
+
+    shape = rough(seed)
+    why, length, cut = told(shape, lambda xy: xy)
+    assert cut
+    other_why, other_length, other_cut = told(shapes.restarted(shape.mapped(there), 11), back)
+    assert other_why == why and other_cut == cut
+    assert other_length == pytest.approx(length, rel=1e-9)
+
+
 @pytest.mark.parametrize("shape", RANDOM[:3] + HOLED[:3])
 def test_leaps_find_what_steps_find(monkeypatch, shape):
     told = dense(shape.polygon, 0.02 * shape.polygon.area**0.5)

@@ -2,13 +2,14 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import shapely
 
 from isthmus.core.errors import Unsolvable
 from isthmus.core.partition import polygon as stage
 from isthmus.core.partition.polygon import one as from_rings
 from isthmus.core.rings import shapes as ring_polygons, signed_areas
 
-from .. import shapes
+from .. import shapes, stages
 from ..shapes import box, shape
 
 NAN, INF = float("nan"), float("inf")
@@ -57,6 +58,52 @@ def test_reason_at_extreme_values_names_no_scaled_place(factor):
     bow = INVALID["bow-tie"][0].mapped(lambda xy: xy * factor)
     with pytest.raises(Unsolvable, match="^invalid geometry: Self-intersection$"):
         from_rings(bow.coords, bow.offsets)
+
+
+def test_digits_that_scaling_would_lose_are_refused():
+    """At 1e123 a hole beside the axis was moved onto it, and parts no longer met where it touches another."""
+    for coords in (1e200, 5e-324), (5e-324, -1e200):
+        s = shape([(0, 0), (1e200, 0), coords])
+        with pytest.raises(Unsolvable, match="^invalid geometry: it is too fine to be checked$"):
+            from_rings(*s)
+    assert len(from_rings(*shape([(0, 0), (1e-200, 0), (5e-324, 1e-200)])).xy) == 3
+
+
+def test_a_polygon_that_geos_fails_on_spares_its_neighbours(monkeypatch):
+    """GEOS raises on a whole array where one polygon is beyond it."""
+
+    def failing(call):
+        def fails(shape):
+            if (shapely.get_coordinates(shape) == 7.0).any():
+                raise shapely.errors.GEOSException("underflow")
+            return call(shape)
+
+        return fails
+
+    for name in ("is_valid", "is_valid_reason"):
+        monkeypatch.setattr(shapely, name, failing(getattr(shapely, name)))
+    bow, beyond = INVALID["bow-tie"][0], shape([(7, 0), (9, 0), (9, 9)])
+    for chunk, words in (
+        ([shapes.SQUARE, beyond, bow, shapes.TRIANGLE], ["", "too fine", "Self-intersection", ""]),
+        ([shapes.TRIANGLE, beyond], ["", "too fine"]),
+        ([beyond], ["too fine"]),
+    ):
+        polygons, verdict = stage.from_rings(stages.together(chunk))
+        assert all((a == "") == (b == "") and b in a for a, b in zip(verdict, words, strict=True))
+        assert polygons.number.tolist() == [k for k, word in enumerate(words) if not word]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_touching_holes_are_valid_unless_a_circle_closes(seed):
+    s = shapes.touching_holes(seed, 2 + seed % 3, 2 + seed // 3 % 3, 1.0, seed % 2)
+    if seed % 2:
+        with pytest.raises(Unsolvable, match="disconnected"):
+            from_rings(*s)
+    else:
+        polygon = from_rings(*s)
+        # a tree of all rings: one touch less than rings, each of two rings
+        assert len(polygon.offsets) - 2 == len(polygon.vertex) - len(polygon.xy)
+        assert not stage.boundary_components(polygon).any()
 
 
 def test_canonical_order():
