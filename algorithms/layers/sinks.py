@@ -45,25 +45,19 @@ def overwriting(tool, parameters, context):
     for definition in tool.parameterDefinitions():
         for place in _places_read(tool, definition, parameters, context):
             taken[place] = tr("the input {}").format(definition.name())
-    for definition in tool.parameterDefinitions():
-        if not definition.isDestination():
-            continue
-        is_layer = isinstance(definition, QgsProcessingParameterFeatureSink)
-        file, table = _place_written(parameters.get(definition.name()), is_layer)
-        if file is None:
-            continue
+    for result, file, table in _files_written(tool, parameters):
         for (other, layer), what in taken.items():
             # without a table the whole file is made anew
             if other == file and (None in (table, layer) or table == layer):
-                name, layer = definition.name(), ""
+                layer = ""
                 if file.endswith(".gpkg"):
                     layer = tr(", or another layer of it: {}").format(
-                        f"ogr:dbname='{file}' table=\"{name.lower()}\""
+                        f"ogr:dbname='{file}' table=\"{result.lower()}\""
                     )
                 return tr("{} would overwrite {}: both are {}. Choose another file{}.").format(
-                    name, what, file, layer
+                    result, what, file, layer
                 )
-        taken[file, table] = tr("the result {}").format(definition.name())
+        taken[file, table] = tr("the result {}").format(result)
     return ""
 
 
@@ -72,13 +66,7 @@ def unwritable(tool, parameters):
 
     Some tools compute for minutes before they write.
     """
-    for definition in tool.parameterDefinitions():
-        if not definition.isDestination():
-            continue
-        is_layer = isinstance(definition, QgsProcessingParameterFeatureSink)
-        file, _ = _place_written(parameters.get(definition.name()), is_layer)
-        if file is None:
-            continue
+    for result, file, _ in _files_written(tool, parameters):
         folder = Path(file).parent
         while not folder.exists():  # QGIS may make it
             folder = folder.parent
@@ -90,10 +78,18 @@ def unwritable(tool, parameters):
             reason = tr("nothing may be written to the folder {}").format(folder)
         else:
             continue
-        return tr("{} cannot be written to {}: {}. Choose another place.").format(
-            definition.name(), file, reason
-        )
+        return tr("{} cannot be written to {}: {}. Choose another place.").format(result, file, reason)
     return ""
+
+
+def _files_written(tool, parameters):
+    """Name, file and table of each result that goes to a file."""
+    for definition in tool.parameterDefinitions():
+        if definition.isDestination():
+            is_layer = isinstance(definition, QgsProcessingParameterFeatureSink)
+            file, table = _place_written(parameters.get(definition.name()), is_layer)
+            if file is not None:
+                yield definition.name(), file, table
 
 
 def _places_read(tool, definition, parameters, context):
