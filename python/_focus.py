@@ -205,22 +205,13 @@ def _runs(geometry: Any) -> Runs:
 
 def _moved(geometries: np.ndarray, runs: list[Runs], result: Any) -> np.ndarray:
     """The geometries of the map where they are now, with points where others meet them."""
-    made, start = geometries.copy(), 0
-    row, vertex, share = result.splits.T
-    for k, one in enumerate(runs):
-        count = sum(one.counts)
-        if not count:
-            continue
-        lo, hi = row.searchsorted((start, start + count))
-        splits = list(
-            zip(
-                (row[lo:hi].astype(int) - start).tolist(),
-                result.moved[vertex[lo:hi].astype(int)].tolist(),
-                share[lo:hi].tolist(),
-            )
-        )
-        made[k] = shapely.from_wkb(one.moved(result.rows[start : start + count], splits))
-        start += count
+    from .core.focus.carrying import placed  # this imports scipy
+
+    made = geometries.copy()
+    some = [k for k, one in enumerate(runs) if one.counts]
+    made[some] = [
+        shapely.from_wkb(one) for one in placed([runs[k] for k in some], result.rows, result.put_in)
+    ]
     return made
 
 

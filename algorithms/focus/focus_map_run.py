@@ -24,7 +24,7 @@ from qgis.core import (
 )
 
 from ...core.errors import Cancelled, IsthmusError, Sentence
-from ...core.focus.carrying import Carrier, carried
+from ...core.focus.carrying import Carrier, carried, placed
 from ...core.focus.enlarge import enlarge
 from ...core.focus.globe import is_on_the_globe, on_the_globe
 from ...core.focus.graph import match
@@ -243,22 +243,13 @@ def _write(tool, sinks, source, given, result, feedback):
     spoiled = []
     kind = QgsWkbTypes.linearType(source.wkbType())
     sinks.open(tool.OUTPUT, source.fields(), kind, source.sourceCrs())
-    start = 0
-    row, vertex, share = result.splits.T
+    moved = placed([one for one in given.runs if one.counts], result.rows, result.put_in)
     for feature, one in zip(given.features, given.runs):
-        count = sum(one.counts)
-        lo, hi = row.searchsorted((start, start + count))
-        splits = zip(
-            (row[lo:hi].astype(int) - start).tolist(),
-            result.moved[vertex[lo:hi].astype(int)].tolist(),
-            share[lo:hi].tolist(),
-        )
         geometry = feature.geometry()
-        if count:
-            geometry = one.moved(result.rows[start : start + count], list(splits))
+        if one.counts:
+            geometry = next(moved)
             if not _is_valid(geometry) and _is_valid(feature.geometry()):
                 spoiled.append(feature.id())
-        start += count
         sinks.add(tool.OUTPUT, geometry, feature.attributes(), Sentence("feature {}", feature.id()))
     if spoiled:
         feedback.pushWarning(

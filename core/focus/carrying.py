@@ -11,7 +11,7 @@ from ..wkb import joined
 from .graph import unique_pairs
 from .mesh import flatness, heights
 
-__all__ = ["Carrier", "carried"]
+__all__ = ["Carrier", "carried", "placed"]
 
 AT_ONCE = 200_000  # triangles or lines that are shapely's at a time
 STRAIGHT = 1e-10  # of the map's width: what bends less gets no point
@@ -237,13 +237,34 @@ def carried(carrier: Carrier, runs: Sequence[Any]) -> Iterator[Any]:
     [1.0, 3.0]
     """
     rows, starts, _ = joined(runs)
-    moved, bends = carrier.lines(rows, starts)
+    return placed(runs, *carrier.lines(rows, starts))
+
+
+def placed(runs: Sequence[Any], moved: np.ndarray, splits: np.ndarray) -> Iterator[Any]:
+    """Yield geometries with their points moved, and points put in.
+
+    Parameters
+    ----------
+    runs : sequence of `core.wkb.Runs`, or what has their ``counts`` and ``moved``
+    moved : (n, 2) float
+        The points of all, one geometry after the other.
+    splits : (s, 4) float
+        Points to put in, sorted: the row before, where, and the share of the way to the next row.
+
+    Examples
+    --------
+    >>> from isthmus.core.wkb import Runs
+    >>> road = Runs(shapely.to_wkb(shapely.LineString([(0, 0), (2, 0)]), byte_order=1))
+    >>> (found,) = placed([road], np.array([(0.0, 0), (4, 0)]), np.array([(0, 2.0, 1, 0.5)]))
+    >>> shapely.get_coordinates(shapely.from_wkb(found)).tolist()
+    [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0]]
+    """
     start = 0
     for one in runs:
         stop = start + sum(one.counts)
-        lo, hi = bends[:, 0].searchsorted((start, stop))
-        splits = [(int(row) - start, (x, y), share) for row, x, y, share in bends[lo:hi].tolist()]
-        yield one.moved(moved[start:stop], splits)
+        lo, hi = splits[:, 0].searchsorted((start, stop))
+        own = [(int(row) - start, (x, y), share) for row, x, y, share in splits[lo:hi].tolist()]
+        yield one.moved(moved[start:stop], own)
         start = stop
 
 

@@ -78,6 +78,12 @@ class FocusMap(NamedTuple):
     skipped: list
     dented: int
 
+    @property
+    def put_in(self) -> np.ndarray:
+        """(s, 4) float: the splits as `carrying.placed` takes them."""
+        row, vertex, share = self.splits.T
+        return np.column_stack((row, self.moved[vertex.astype(np.int64)], share))
+
 
 def enlarge(
     rows: np.ndarray,
