@@ -197,37 +197,36 @@ def enlarge(
     mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
     points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
     skipped = []
+
+    def choose(coarse, check):
+        skipped.clear()  # an attempt may come again
+        return _selected(coarse, graph, mesh.xy, starts, polygons, rule, tau, skipped, check)
+
     if scale == 1.0:
-        shift, chosen, bridges, size, dented = np.zeros_like(mesh.xy), given, given[:0], np.ones(2), 0
+        found = _Moved(np.zeros_like(mesh.xy), given, given[:0], np.ones(2), 0)
     else:
-
-        def choose(coarse, check):
-            skipped.clear()  # an attempt may come again
-            return _selected(coarse, graph, mesh.xy, starts, polygons, rule, tau, skipped, check)
-
-        shift, chosen, bridges, size, dented = _moved(
-            mesh, noded, land, points, unit, given, choose if edges is None else None,
-            scale, tau, frame, growth, most, stage,
-        )  # fmt: skip
+        asked = _Asked(scale, tau, frame, growth, most)
+        found = _moved(mesh, land, points, unit, given, choose if edges is None else None, asked, stage)
     check = stage(0.95, 1.0)
-    if not np.isfinite(unit * shift).all():
+    moved = unit * found.shift  # what does not move does not change a bit
+    if not np.isfinite(moved).all():
         raise Unsolvable(Sentence("the map could not be solved: some positions are not finite numbers"))
-    moved = unit * shift  # what does not move does not change a bit
-    inside = _covered(mesh, noded, land, check)
+    inside = _covered(mesh, land, check)
     check(1.0)
+    own = "selected" if edges is None else "given"
     return FocusMap(
         rows=rows + moved[graph.vertex],
         points=points,
         moved=points + moved,
         triangles=mesh.triangles,
         splits=_row_splits(noded, graph, starts),
-        edges=np.concatenate((chosen, bridges)),
-        kind=np.array(["selected" if edges is None else "given"] * len(chosen) + ["join"] * len(bridges)),
+        edges=np.concatenate((found.chosen, found.bridges)),
+        kind=np.repeat([own, "join"], (len(found.chosen), len(found.bridges))),
         scale=float(scale),
-        growth=size,
-        distortion=distortion(mesh.xy, mesh.xy + shift, mesh.triangles[inside]),
+        growth=found.growth,
+        distortion=distortion(mesh.xy, mesh.xy + found.shift, mesh.triangles[inside]),
         skipped=skipped,
-        dented=dented,
+        dented=found.dented,
     )
 
 
@@ -259,64 +258,99 @@ def _units(rows, starts, aspect):
     return (low + high) / 2.0, unit / stretch
 
 
-def _moved(mesh, noded, land, points, unit, given, choose, scale, tau, frame, growth, most, stage):
-    """The shift of all vertices, the edges that are relevant, those that join islands, the growth, and dents.
+class _Asked(NamedTuple):
+    """What `enlarge` is asked for."""
 
-    The detail is carried along. Where slivers are in the way, they are detail. Where that turns a triangle,
-    ours or of a square, more is solved for, at last all of a map that is not too large: while it is
-    solved for, no triangle turns whose corners are all there. Of ours none may be left.
+    scale: float
+    tau: float
+    frame: bool
+    growth: float
+    most: int
+
+
+class _Moved(NamedTuple):
+    """A solution: how vertices move, and what held them together."""
+
+    shift: np.ndarray
+    chosen: np.ndarray
+    bridges: np.ndarray  # edges that join islands
+    growth: np.ndarray
+    dented: int
+
+
+def _moved(mesh, land, points, unit, given, choose, asked, stage):
+    """The map solved for, its detail carried along: without a turned triangle, and as few dents as may be.
+
+    Where slivers are in the way, they are detail. Where the detail turns a triangle, or dents a square,
+    more is solved for, at last all of a map that is not too large: while it is solved for, no
+    triangle turns whose corners are all there.
     """
-    xy = mesh.xy
-    spare = others(xy, mesh.triangles, noded.edges)
+    needed = np.zeros(len(mesh.xy), dtype=bool)
+    needed[given.ravel()] = True
+    best, tight, gap = None, None, 0.0
+    for attempt in range(1, ATTEMPTS + 1):
+        if attempt == ATTEMPTS > 1 and not gap and np.count_nonzero(mesh.removable) <= WHOLE:
+            needed[:] = True
+        try:
+            made = _attempt(mesh, land, needed, gap, given, choose, asked, stage)
+        except NoRoom as problem:
+            why = tight = tight or problem
+            gap = GAPS[min(attempt, len(GAPS)) - 1]
+            continue
+        bad, dents = _damage(mesh, points, points + unit * made.shift)
+        if bad.any():
+            why = _too_close(points[mesh.triangles[bad].min()])
+        else:
+            made = made._replace(dented=len(np.unique(dents[:, 1])))
+            best = made if best is None else min(best, made, key=lambda one: one.dented)
+            if not made.dented:
+                break
+        needed[mesh.triangles[bad]] = True
+        needed |= _around(mesh, dents, attempt)
+    if best is None:
+        raise why
+    return best
+
+
+def _attempt(mesh, land, needed, gap, given, choose, asked, stage):
+    """The map solved for on what is needed and some more, and all of the rest put back."""
+    xy, edges, removable = mesh.xy, mesh.edges, mesh.removable & ~needed
+    coarse = coarsen(xy, mesh.triangles, edges, removable, mesh.rigid, asked.most, stage(0.05, 0.2), gap)
+    chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
+    chosen = unique_pairs(chosen, len(xy))
+    solid = np.concatenate((coarse.edges, chosen))
+    shift, bridges, growth = _solved(mesh, coarse, land, solid, asked, stage(0.3, 0.85))
+    check = stage(0.85, 0.95)
+    _scale_exactly(mesh, shift, asked.scale, asked.frame)
+    shift = reinsert(coarse, xy, shift, mesh.rigid, check)
     free = mesh.group < 0
     free[np.concatenate(mesh.side)] = False
-    needed = np.zeros(len(xy), dtype=bool)
-    needed[given.ravel()] = True
-    made, gap, full = [], 0.0, None
-    for rings in range(1, ATTEMPTS + 1):
-        if rings == ATTEMPTS > 1 and not gap and np.count_nonzero(mesh.removable) <= WHOLE:
-            needed[:] = True
-        removable = mesh.removable & ~needed
-        coarse = coarsen(xy, mesh.triangles, noded.edges, removable, mesh.rigid, most, stage(0.05, 0.2), gap)
-        chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
-        chosen = unique_pairs(chosen, len(xy))
-        solid = np.concatenate((coarse.edges, chosen))
-        try:
-            shift, bridges, size = _solved(
-                mesh, coarse, spare, land, solid, scale, tau, frame, growth, stage(0.3, 0.85)
-            )
-        except NoRoom as problem:
-            full = full or problem
-            if rings == ATTEMPTS:
-                raise full from None
-            gap = GAPS[min(rings, len(GAPS)) - 1]  # slivers may be what stops it
-            continue
-        check = stage(0.85, 0.95)
-        _scale_exactly(mesh, shift, scale, frame)
-        shift = reinsert(coarse, xy, shift, mesh.rigid, check)
-        shift = stay_convex(xy, shift, mesh.triangles, spare, free, check)
-        there = points + unit * shift  # where they will be, rounded
-        bad = turned(points, there, mesh.triangles) | crossed(points, there, mesh.triangles, noded.edges)
-        dents = spare[turned(points, there, spare)]
-        if not bad.any():
-            made.append((shift, chosen, bridges, size, len(np.unique(dents[:, 1]))))
-            if not len(dents):
-                return made[-1]
-        near = np.zeros(len(xy), dtype=bool)
-        near[dents] = True
-        for _ in range(rings):  # with what is around it, or the dent goes next door
-            near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
-        needed[mesh.triangles[bad]] = True
-        needed |= near
-    if made:
-        return min(made, key=lambda one: one[-1])
-    x, y = points[mesh.triangles[bad].min()]
+    shift = stay_convex(xy, shift, mesh.triangles, mesh.spare, free, check)
+    return _Moved(shift, chosen, bridges, growth, 0)
+
+
+def _damage(mesh, before, after):
+    """Which triangles are turned where they will be, rounded, and which of other triangulations."""
+    bad = turned(before, after, mesh.triangles) | crossed(before, after, mesh.triangles, mesh.edges)
+    return bad, mesh.spare[turned(before, after, mesh.spare)]
+
+
+def _around(mesh, dents, rings):
+    """Which vertices are dented, or near: so many rings, or the dent goes next door."""
+    near = np.zeros(len(mesh.xy), dtype=bool)
+    near[dents] = True
+    for _ in range(rings):
+        near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
+    return near
+
+
+def _too_close(point):
+    """Why a map was turned over."""
     near = Sentence(
         "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
-        x,
-        y,
+        *point,
     )
-    raise Unsolvable(near)
+    return Unsolvable(near)
 
 
 def _scale_exactly(mesh, shift, scale, frame):
@@ -344,6 +378,8 @@ class _Mesh(NamedTuple):
     padded: np.ndarray  # (2,): what the frame gives back on both sides along each axis
     removable: np.ndarray
     rigid: np.ndarray
+    edges: np.ndarray  # of the map
+    spare: np.ndarray  # triangles of other triangulations, see `others`
 
 
 def _mesh(noded, group, regions, land, box, frame, scale, check):
@@ -378,7 +414,10 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     of_map = np.arange(len(xy)) < n
     removable = of_map & (rigid | (group < 0))
     removable[np.concatenate(side)] = False
-    return _Mesh(xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable)
+    spare = others(xy, triangles, noded.edges)
+    return _Mesh(
+        xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable, noded.edges, spare
+    )
 
 
 def _padded(xy, group, box, shrinks):
@@ -498,7 +537,7 @@ def _ring(rows, starts, k):
     return shapely.linearrings(rows[starts[k] : starts[k + 1]])
 
 
-def _covered(mesh, noded, land, check):
+def _covered(mesh, land, check):
     """Which triangles lie in a polygon of the map."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -510,7 +549,7 @@ def _covered(mesh, noded, land, check):
     key = ends[:, 0] * n + ends[:, 1]
     order = np.argsort(key, kind="stable")
     twin = np.flatnonzero(key[order][1:] == key[order][:-1])
-    twin = twin[~np.isin(key[order][twin], noded.edges[:, 0] * n + noded.edges[:, 1])]
+    twin = twin[~np.isin(key[order][twin], mesh.edges @ (n, 1))]
     one, other = order[twin] // 3, order[twin + 1] // 3
     check()
     face = connected_components(coo_matrix((np.ones(len(one)), (one, other)), (t, t)), directed=False)[1]
@@ -550,40 +589,41 @@ def _row_splits(noded, graph, starts):
     return result[np.lexsort((t, row[which]))]
 
 
-def _solved(mesh, coarse, spare, land, solid, scale, tau, frame, growth, check):
+def _solved(mesh, coarse, land, solid, asked, check):
     """The shift of the coarse vertices, the edges that join islands, and the growth of the frame."""
     n = len(mesh.xy)
     kept, inverse = np.unique(coarse.triangles, return_inverse=True)
     place = np.full(n, -1)
     place[kept] = np.arange(len(kept))
+    spare = place[mesh.spare]
     # where no corner went, the triangles around are what they were, and so are the others there
-    triangles = np.concatenate((inverse.reshape(-1, 3), place[spare][(place[spare] >= 0).all(axis=1)]))
+    triangles = np.concatenate((inverse.reshape(-1, 3), spare[(spare >= 0).all(axis=1)]))
     xy, group = mesh.xy[kept], mesh.group[kept]
     lines = place[solid]
     used = np.unique(lines)
     used = np.union1d(used, place[np.flatnonzero(mesh.map_vertex & (place >= 0))])
     back = np.full(len(kept), -1)
     back[used] = np.arange(len(used))
-    bridges = used[joins(xy[used], back[lines], tau)]
+    bridges = used[joins(xy[used], back[lines], asked.tau)]
     links = unique_pairs(np.concatenate((lines, bridges)), len(kept))
     origin = np.array(
         [xy[group == g].mean(axis=0) if (group == g).any() else (0.0, 0.0) for g in range(group.max() + 1)]
     )
     side = [place[one] for one in mesh.side]
-    size = _frame(mesh, xy, links, group, origin, scale, frame, growth)
+    size = _frame(mesh, xy, links, group, origin, asked.scale, asked.frame, asked.growth)
     fixed = []
     for axis in (0, 1):
         width = np.ptp(xy[:, axis])
         more = (size[axis] - 1.0) * (width - 2.0 * mesh.padded[axis]) / 2.0 - mesh.padded[axis]
         fixed += [(axis, side[2 * axis], -more), (axis, side[2 * axis + 1], more)]
     stiff = np.where(_on_land(land, xy[triangles].mean(axis=1)), LAND, 1.0)
-    moved, reached = relax(xy, triangles, links, group, origin, scale, fixed, check, stiff)
+    moved, reached = relax(xy, triangles, links, group, origin, asked.scale, fixed, check, stiff)
     if reached < 1.0:
-        room = 1.0 + reached * (scale - 1.0)
+        room = 1.0 + reached * (asked.scale - 1.0)
         tight = Sentence(
             "there is no room for a scale of {:.10g}: it ends at {:g}. "
             "Choose a smaller scale, a larger map around the region, or let the map grow",
-            scale, math.floor(room * 100) / 100,
+            asked.scale, math.floor(room * 100) / 100,
         )  # fmt: skip
         raise NoRoom(tight)
     shift = np.zeros((n, 2))

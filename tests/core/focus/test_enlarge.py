@@ -233,6 +233,22 @@ def test_dents_that_cannot_be_put_right_are_solved_for_or_told(monkeypatch):
     assert again.dented == 0 and verify(*lines, [[one] for one in polygons]).good
 
 
+def test_what_was_found_is_kept_if_more_has_no_room(monkeypatch):
+    """A map with dents is one; that solving for more of it stops on the way is no reason to refuse."""
+    monkeypatch.setattr(road, "stay_convex", lambda xy, shift, *more: shift)
+    rows, starts, polygons, focus = raster(2, 30)
+    relax, calls = road.relax, []
+
+    def once(*given):
+        calls.append(given)
+        return relax(*given) if len(calls) == 1 else (np.zeros_like(given[0]), 0.5)
+
+    monkeypatch.setattr(road, "relax", once)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=0.3, most=100)
+    assert len(calls) == 3 and result.dented > 0
+    assert faults(result, *with_splits(rows, starts, result)) == []
+
+
 def test_without_a_frame_the_map_grows():
     rows, starts, polygons = rings_of(circle(60, 10.0))
     focus = shapely.box(-50, -4, 60, 4)
