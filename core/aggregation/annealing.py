@@ -168,14 +168,14 @@ def annealing(
 
     # a small map has few ways out of a bad start, and time for several
     firsts = RUNS_OF_SMALL if n <= SMALL else 1
-    number = 0
     for number in range(firsts):
         found, steps = run(start, number, FIRST / firsts, schedule.hot)
         best = found if best is None else better(best, found)
         done += FIRST / firsts
     fitting = int(steps * firsts * (1.0 - FIRST) / FIRST / (LEAST_REHEAT * n))
-    for number in range(firsts, firsts + min(REHEATS, max(1, fitting))):
-        share = (1.0 - FIRST) / min(REHEATS, max(1, fitting))
+    reheats = min(REHEATS, max(1, fitting))
+    share = (1.0 - FIRST) / reheats
+    for number in range(firsts, firsts + reheats):
         found, _ = run(best, number, share, schedule.warm)
         best = better(best, found)
         done += share

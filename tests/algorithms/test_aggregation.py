@@ -597,6 +597,23 @@ def test_when_all_classes_are_excluded_that_is_said(qgis_app):
     assert not any("threshold larger" in line or "large enough" in line for line in said)
 
 
+def test_small_islands_are_solved_by_the_exact_method_and_that_is_said(qgis_app):
+    pytest.importorskip("scipy", minversion="1.9")
+    apart = areas([(box(10 * k + 50 * (k // 4), 0), code) for k, code in enumerate("abbaabab")])
+    said = aggregate(apart, THRESHOLD=200, METHOD="annealing")[2]
+    assert "Solved by the exact method, since they have at most 20 areas: 2 independent parts." in said
+    said = aggregate(apart, THRESHOLD=200, METHOD="annealing", ITERATIONS=100)[2]
+    assert not any("exact method" in line for line in said)
+
+
+def test_a_map_that_is_too_large_for_a_proof_is_told(qgis_app, monkeypatch):
+    pytest.importorskip("scipy", minversion="1.9")
+    monkeypatch.setattr("isthmus.core.aggregation.exact.LARGEST_PROGRAMME", 100)
+    said = aggregate(strip("abababbaabab"), THRESHOLD=300, METHOD="exact", SECONDS=2)[2]
+    (line,) = [line for line in said if "No solution" in line]
+    assert line.startswith("Too large to be solved, and left as annealing found it: 1 independent part. No ")
+
+
 @pytest.mark.parametrize("method", ["greedy", "annealing"])
 def test_python_searches_for_garbage_again_afterwards(qgis_app, method):
     assert gc.isenabled()
