@@ -284,7 +284,7 @@ def aggregate(
         (iterations, "iterations"),
         (regions, "regions"),
     ):
-        _kinds.least(value, name, 0.0)
+        _kinds.number(value, name, 0.0)
     origin = _kinds.source(areas, crs, "areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
@@ -319,7 +319,7 @@ def _weights(named: str, *given: float | None) -> list[float]:
     """The weights of class change, boundary and centre: what is given, else that of the named set."""
     weight = [usual if own is None else own for own, usual in zip(given, PRESETS[named])]
     for value, name in zip(weight, ("weight_change", "weight_boundary", "weight_centre")):
-        _kinds.least(value, name, 0.0)
+        _kinds.number(value, name, 0.0)
     return weight
 
 

@@ -113,7 +113,8 @@ def annealing(
     Simulated annealing is the heuristic of Haunert and Wolff (2010), with which Haunert and Meulemans
     aggregate in section 5.2.
 
-    A batch of m moves is O(m) in arrays, and O(1) in Python for each move that is accepted.
+    A batch of m moves is O(m) in arrays; for each that is accepted, Python looks at the areas of its region
+    at most, mostly at the neighbours of one.
 
     Examples
     --------

@@ -138,8 +138,9 @@ def exact(
     -----
     The integer programme of Haunert and Wolff (2010), with the cuts of Oehrlein and Haunert (2017).
 
-    Exponential. Thirty areas a part take seconds; with some hundred the bound is within a few percent
-    after a minute.
+    Exponential. Thirty areas a part take seconds; with some hundred the bound is within ten percent
+    after a minute. A part of so many areas that `LARGEST_PROGRAMME` pairs of an area and a core are too few
+    stays as it began.
 
     Examples
     --------

@@ -195,6 +195,17 @@ def test_sizes_are_square_metres(qgis_app):
     assert layers["OUTPUT"][0]["size"] == pytest.approx(12_308_778_361, rel=1e-3)
 
 
+def test_neighbours_and_floors_in_degrees_are_in_metres(qgis_app):
+    """A dumbbell, 10 units to a square; a unit is 1e-4 degrees, 11.1 m to the north and 7.2 m to the east."""
+    wkt = re.sub(r"(\d+) (-?\d+)", lambda m: f"{10 + int(m[1]) * 1e-4} {50 + int(m[2]) * 1e-4}", DUMBBELL)
+    layer = areas([(wkt, "1")], crs="EPSG:4326")
+    results, layers, _ = prepare(layer)
+    assert results["PIECE_COUNT"] == 3
+    assert [pair["length"] for pair in layers["ADJACENCY"]] == pytest.approx([11.12, 11.12], rel=2e-3)
+    assert prepare(layer, MIN_LENGTH=11.0)[0]["PIECE_COUNT"] == 3
+    assert prepare(layer, MIN_LENGTH=200.0)[0]["PIECE_COUNT"] == 1
+
+
 # ---- aggregate
 
 
