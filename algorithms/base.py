@@ -71,10 +71,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def checkParameterValues(self, parameters, context):
         # qgis_process and scripts never ask canExecute
         parameters = self.with_names(parameters)
-        problem = (
-            dependency_problem() or self.text_problem(parameters) or self.choice_problem(parameters)
-            or self.parameter_problem(parameters, context)
-        )  # fmt: skip
+        problem = self.any_problem(parameters, context)
         if problem:
             return False, problem
         good, problem = super().checkParameterValues(parameters, context)
@@ -98,6 +95,13 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             if isinstance(definition, QgsProcessingParameterEnum):
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
         return named
+
+    def any_problem(self, parameters, context):
+        """Return a sentence about what is missing or what cannot be used, or ''."""
+        return (
+            dependency_problem() or self.text_problem(parameters) or self.choice_problem(parameters)
+            or self.parameter_problem(parameters, context)
+        )  # fmt: skip
 
     def parameter_problem(self, parameters, context):
         """Return a sentence about a parameter that cannot be used, or ''."""
@@ -210,15 +214,20 @@ def _name_of(value, options):
 
 
 def _without_frames(process):
-    """Let a tool fail by a new exception, in a frame that holds nothing.
+    """Let a tool refuse what it cannot use, and fail by a new exception, in a frame that holds nothing.
 
-    QGIS keeps the exception that it gets for ever, and with it the frames and the layers open in them.
+    QGIS keeps the exception that it gets for ever, and with it the frames and the layers open in them. A
+    model does not ask its tools whether they can use what it computed for them.
     """
 
     @functools.wraps(process)
     def processAlgorithm(self, parameters, context, feedback):
         try:
-            return process(self, self.with_names(parameters), context, feedback)
+            parameters = self.with_names(parameters)
+            problem = self.any_problem(parameters, context)
+            if problem:
+                raise QgsProcessingException(problem)
+            return process(self, parameters, context, feedback)
         except QgsProcessingException as problem:
             message = str(problem)
         del self, parameters, context, feedback

@@ -92,8 +92,8 @@
    <translation>&lt;p&gt;&lt;i&gt;MinSize&lt;/i&gt;, die optimale Menge, ist die beste Wahl: wenige Kanten, und die Form bleibt erhalten. &lt;i&gt;Greedy&lt;/i&gt; (van Dijk u. a. 2013) braucht mehr Kanten. &lt;i&gt;Proximity&lt;/i&gt; (Harrie und Sarjakoski 2002) und &lt;i&gt;None&lt;/i&gt; sind zum Vergleich da. Mit &lt;i&gt;natürlichen&lt;/i&gt; Stellen (&lt;i&gt;Wo ein Schnitt liegen darf&lt;/i&gt;) gibt es wenige Kanten, wo Menschen Teile aneinanderstoßen sehen; auf den gemessenen Karten hat jede Diagonale die Form besser erhalten.&lt;/p&gt;</translation>
   </message>
   <message>
-   <source>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: the smallest area joins the neighbour that costs least; quick.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt;: starts there and improves it, for a number of steps or seconds, then is heated again several times, of which the best is kept place by place. The same seed and number of steps give the same result.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that of a short annealing, with a bound.&lt;/p&gt;</source>
-   <translation>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: Die kleinste Fläche geht an den Nachbarn, bei dem es am wenigsten kostet; schnell.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt; (simulierte Abkühlung): beginnt damit und verbessert es, eine Anzahl von Schritten oder Sekunden lang; dann wird mehrmals neu erhitzt und Ort für Ort das Beste behalten. Derselbe Startwert und dieselbe Anzahl von Schritten ergeben dasselbe.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: ein gemischt-ganzzahliges Programm (HiGHS, über scipy) für kleine Karten, mit einer unteren Schranke, die belegt, wie gut das Ergebnis ist. Dreißig Flächen dauern meist Sekunden; bei Hunderten ist das Ergebnis das einer kurzen Abkühlung, mit Schranke.&lt;/p&gt;</translation>
+   <source>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: the smallest area joins the neighbour that costs least; quick.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt;: starts there and improves it, for a number of steps or seconds, then is heated again several times, of which the best is kept place by place. The same seed and number of steps give the same result. Parts of the map that hang together and have at most 20 areas are then solved by the exact method, where scipy is there, unless steps, seconds or a number of regions are given.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that of a short annealing, with a bound.&lt;/p&gt;</source>
+   <translation>&lt;p&gt;&lt;i&gt;greedy&lt;/i&gt;: Die kleinste Fläche geht an den Nachbarn, bei dem es am wenigsten kostet; schnell.&lt;br/&gt; &lt;i&gt;annealing&lt;/i&gt; (simulierte Abkühlung): beginnt damit und verbessert es, eine Anzahl von Schritten oder Sekunden lang; dann wird mehrmals neu erhitzt und Ort für Ort das Beste behalten. Derselbe Startwert und dieselbe Anzahl von Schritten ergeben dasselbe. Teile der Karte, die zusammenhängen und höchstens 20 Flächen haben, löst danach die exakte Methode, wenn scipy da ist und weder Schritte noch Sekunden noch eine Anzahl von Regionen angegeben sind.&lt;br/&gt; &lt;i&gt;exact&lt;/i&gt;: ein gemischt-ganzzahliges Programm (HiGHS, über scipy) für kleine Karten, mit einer unteren Schranke, die belegt, wie gut das Ergebnis ist. Dreißig Flächen dauern meist Sekunden; bei Hunderten ist das Ergebnis das einer kurzen Abkühlung, mit Schranke.&lt;/p&gt;</translation>
   </message>
   <message>
    <source>&lt;p&gt;Aggregates the areas of a land-cover map for a smaller scale: every area is given to a region, and every region is contiguous, at least as large as its class demands, and has the class of at least one of its areas. Among all ways to do so the tool looks for one of least cost.&lt;/p&gt;</source>
@@ -1176,6 +1176,10 @@
    <translation>Kleinstes tau, mit dem die feinste Stufe beginnt</translation>
   </message>
   <message>
+   <source>Solved by the exact method, since they have at most {} areas: {}.</source>
+   <translation>Mit der exakten Methode gelöst, da sie höchstens {} Flächen haben: {}.</translation>
+  </message>
+  <message>
    <source>Splits land-cover areas at bottlenecks before they are aggregated.</source>
    <translation>Zerlegt Flächen der Bodenbedeckung an Engstellen, bevor sie zusammengefasst werden.</translation>
   </message>
@@ -1370,6 +1374,10 @@
   <message>
    <source>Time (seconds)</source>
    <translation>Zeit (Sekunden)</translation>
+  </message>
+  <message>
+   <source>Too large to be solved, and left as annealing found it: {}. {}</source>
+   <translation>Zu groß, um gelöst zu werden, und so, wie die Abkühlung sie gefunden hat: {}. {}</translation>
   </message>
   <message>
    <source>Total cost</source>

@@ -14,18 +14,15 @@ from .core.aggregation import areas as core
 from .core.aggregation.coverage import each_pair, faults, joined
 from .core.aggregation.exact import Exact
 from .core.aggregation.instance import Costs, Instance, Solution, costs
-from .core.aggregation.methods import METHODS, by_method
+from .core.aggregation.methods import by_method
 from .core.aggregation.outcome import Outcome, lost_areas, outcome
-from .core.aggregation.presets import PRESETS
+from .core.aggregation.presets import BOUNDARIES, DISTANCES, METHODS, PRESETS
 from .core.aggregation.tables import distances as class_distances
 from .core.aggregation.tables import text
 from .core.aggregation.tables import thresholds as class_thresholds
 from .core.partition import features
 from .core.partition.solve import finish, select
 from .core.rings import Rings
-
-DISTANCES = ("equal", "code", "table")
-BOUNDARIES = ("regions", "classes")
 
 
 class Pieces(NamedTuple):
@@ -243,7 +240,8 @@ def aggregate(
     boundary : {'regions', 'classes'}
         Which boundaries count.
     method : {'annealing', 'greedy', 'exact'}
-        'exact' needs scipy.
+        'exact' needs scipy. 'annealing' uses it on parts of at most 20 areas, where it is there and nothing
+        (steps, seconds, number of regions) is given.
     seed, iterations, seconds, regions : int, int, float, int
         Of annealing; steps (0: 10,000 an area), a limit of time instead (0: none; for 'exact' 60), and the
         number of regions wanted (0: free).
@@ -286,7 +284,7 @@ def aggregate(
         (iterations, "iterations"),
         (regions, "regions"),
     ):
-        _kinds.least(value, name, 0.0)
+        _kinds.number(value, name, 0.0)
     origin = _kinds.source(areas, crs, "areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
@@ -321,7 +319,7 @@ def _weights(named: str, *given: float | None) -> list[float]:
     """The weights of class change, boundary and centre: what is given, else that of the named set."""
     weight = [usual if own is None else own for own, usual in zip(given, PRESETS[named])]
     for value, name in zip(weight, ("weight_change", "weight_boundary", "weight_centre")):
-        _kinds.least(value, name, 0.0)
+        _kinds.number(value, name, 0.0)
     return weight
 
 
@@ -348,8 +346,10 @@ def _solved(
 ) -> tuple[Solution, Exact | None]:
     """What a method finds; warns where that are not as many regions as wanted."""
     count = regions + shapeless if regions else None  # there, an area without a shape is a region
-    best, result = by_method(problem, method, count=count, **options)
-    if count and result is None and len(best.core) != count:
+    best, result, _ = by_method(problem, method, count=count, **options)
+    if count and result:
+        _kinds.warn("The number of regions is not used by the exact method.")
+    elif count and len(best.core) != count:
         _kinds.warn(
             f"{regions} regions were wanted, and {len(best.core) - shapeless} is as near as "
             "thresholds and neighbours allowed."

@@ -234,6 +234,13 @@ def least(value: Any, name: str, smallest: float, largest: float = np.inf) -> No
         raise ValueError(f"{name} must be a number of at least {smallest:g}{most}, and is {float(value):g}.")
 
 
+def number(value: Any, name: str, smallest: float) -> None:
+    """Complain of what is no single number from ``smallest`` on."""
+    if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
+        raise TypeError(f"{name} must be a number, and is {value!r}.")
+    least(float(value), name, smallest)
+
+
 def one_of(value: str, name: str, known: Sequence[str]) -> None:
     """Complain of a word that is none of those known."""
     if value not in known:

@@ -13,7 +13,7 @@ from qgis.core import (
     QgsProcessingParameterString,
 )
 
-from ...core.aggregation.presets import PRESETS
+from ...core.aggregation.presets import BOUNDARIES, DISTANCES, METHODS, PRESETS
 from ..base import LARGEST, IsthmusAlgorithm
 from ..dependencies import install_hint
 from ..layers.fields import INTEGER, LONG, REAL, TEXT
@@ -22,9 +22,6 @@ from .areas_tool import AreasTool
 
 REGION_FIELDS = (("region", LONG), ("size", REAL), ("areas", LONG), ("core", LONG), ("status", TEXT))
 ASSIGNED_FIELDS = (("region", LONG), ("changed", INTEGER), ("status", TEXT))
-METHODS = ("greedy", "annealing", "exact")
-DISTANCES = ("equal", "code", "table")
-BOUNDARIES = ("regions", "classes")
 
 HELP = """
 <p>Aggregates the areas of a land-cover map for a smaller scale: every area is given to a region, and
@@ -36,7 +33,8 @@ region are merged again.</p>
 <p><i>greedy</i>: the smallest area joins the neighbour that costs least; quick.<br/>
 <i>annealing</i>: starts there and improves it, for a number of steps or seconds, then is heated again
 several times, of which the best is kept place by place. The same seed and number of steps give the
-same result.<br/>
+same result. Parts of the map that hang together and have at most 20 areas are then solved by the exact
+method, where scipy is there, unless steps, seconds or a number of regions are given.<br/>
 <i>exact</i>: a mixed-integer programme (HiGHS, through scipy) for small maps, with a lower bound that
 certifies how good the result is. Thirty areas take seconds, mostly; with hundreds the result is that
 of a short annealing, with a bound.</p>

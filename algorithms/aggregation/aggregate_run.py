@@ -15,6 +15,7 @@ from qgis.core import (
 
 from ...core.aggregation.areas import beside, flaws, piece_fields, posed, reasons_of
 from ...core.aggregation.coverage import joined
+from ...core.aggregation.exact import FEW
 from ...core.aggregation.instance import components, costs
 from ...core.aggregation.methods import by_method
 from ...core.aggregation.outcome import balance, outcome
@@ -283,7 +284,7 @@ class _Run:
         feedback.setProgressText(tr("Aggregating {} ({})").format(counted(len(problem.size), "area"), method))
         decompose = tool.parameterAsBoolean(self.parameters, tool.DECOMPOSE, self.context)
         try:
-            found, result = by_method(
+            found, result, islands = by_method(
                 problem,
                 method,
                 seed=int(self.number(tool.SEED)),
@@ -295,6 +296,12 @@ class _Run:
             )
         except Cancelled:
             return None, None
+        if islands:
+            feedback.pushInfo(
+                tr("Solved by the exact method, since they have at most {} areas: {}.").format(
+                    FEW, counted(islands, "independent part")
+                )
+            )
         if result:
             self._tell_gap(result, decompose)
             if count:
@@ -318,7 +325,11 @@ class _Run:
         else:
             said = tr("No solution costs less than {}")
         said = said.format(amount(result.bound))
-        if not result.proven:
+        if result.large:
+            said = tr("Too large to be solved, and left as annealing found it: {}. {}").format(
+                counted(result.large, "independent part"), said
+            )
+        elif not result.proven:
             said = tr("The time was over. {}").format(said)
         self.feedback.pushInfo(
             tr("{} (gap {:.2f} %; {}, {} solved).").format(

@@ -113,7 +113,8 @@ def annealing(
     Simulated annealing is the heuristic of Haunert and Wolff (2010), with which Haunert and Meulemans
     aggregate in section 5.2.
 
-    A batch of m moves is O(m) in arrays, and O(1) in Python for each move that is accepted.
+    A batch of m moves is O(m) in arrays; for each that is accepted, Python looks at the areas of its region
+    at most, mostly at the neighbours of one.
 
     Examples
     --------
@@ -168,14 +169,14 @@ def annealing(
 
     # a small map has few ways out of a bad start, and time for several
     firsts = RUNS_OF_SMALL if n <= SMALL else 1
-    number = 0
     for number in range(firsts):
         found, steps = run(start, number, FIRST / firsts, schedule.hot)
         best = found if best is None else better(best, found)
         done += FIRST / firsts
     fitting = int(steps * firsts * (1.0 - FIRST) / FIRST / (LEAST_REHEAT * n))
-    for number in range(firsts, firsts + min(REHEATS, max(1, fitting))):
-        share = (1.0 - FIRST) / min(REHEATS, max(1, fitting))
+    reheats = min(REHEATS, max(1, fitting))
+    share = (1.0 - FIRST) / reheats
+    for number in range(firsts, firsts + reheats):
         found, _ = run(best, number, share, schedule.warm)
         best = better(best, found)
         done += share

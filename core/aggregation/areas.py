@@ -146,16 +146,15 @@ def arrange(
     >>> areas.size.tolist(), areas.place.tolist()
     ([4.0, 2.0], [(1+1j), (2.5+1j)])
     """
-    # rings of fewer than three vertices bound nothing
     polygon_count = len(rings.polygon_offsets) - 1
-    row_polygon = np.repeat(groups(rings.polygon_offsets), np.diff(rings.offsets))
+    ring_polygon = groups(rings.polygon_offsets)
+    row_polygon = np.repeat(ring_polygon, np.diff(rings.offsets))
     measured = np.ones(polygon_count, dtype=bool)
     measured[row_polygon[~(np.abs(rings.coords[:, :2]) <= FARTHEST).all(axis=1)]] = False
-    ring_polygon = groups(rings.polygon_offsets)
-    some = _measured_rings(rings, measured)
-    row, offsets = take(rings.offsets, some)
+    kept = _measured_rings(rings, measured)
+    row, offsets = take(rings.offsets, kept)
     coords = rings.coords[row]
-    coverage = cover(coords, offsets, ring_polygon[some])
+    coverage = cover(coords, offsets, ring_polygon[kept])
     xy = coords[:, :2]
     area, moment = centroids(coverage, measure.equal_area(xy) if len(xy) else xy, polygon_count)
     if measure.conformal:  # the centroid in degrees, its metres near the middle of the layer
@@ -170,12 +169,12 @@ def arrange(
     ring_area = owner[coverage.ring_polygon] if len(owner) else coverage.ring_polygon
     row_area = np.repeat(ring_area, np.diff(offsets))
     low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
-    if len(some):  # ring by ring first: `at` is slow in older numpy
+    if len(kept):  # ring by ring first: `at` is slow in older numpy
         np.minimum.at(low, ring_area, np.minimum.reduceat(xy, offsets[:-1]))
         np.maximum.at(high, ring_area, np.maximum.reduceat(xy, offsets[:-1]))
-    some = np.isfinite(low[:, 0])
-    x[some] = np.clip(x[some], low[some, 0], high[some, 0])
-    y[some] = np.clip(y[some], low[some, 1], high[some, 1])
+    shaped = np.isfinite(low[:, 0])
+    x[shaped] = np.clip(x[shaped], low[shaped, 0], high[shaped, 0])
+    y[shaped] = np.clip(y[shaped], low[shaped, 1], high[shaped, 1])
     around = xy - np.column_stack((x, y))[row_area]
     if measure.conformal and n:
         unit = measure.degrees

@@ -8,6 +8,7 @@ from .instance import Instance, Solution, costs, each_share
 
 __all__ = ["best_of_both", "block_of_areas", "cheapest_choice"]
 
+MOST = 64  # blocks that are exchanged one by one, at most
 FARTHEST = 1000  # regions that a choice of blocks may be off while it is made
 
 
@@ -61,8 +62,8 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     -----
     Boundaries between blocks cost the same in all versions, as both solutions have them there; the
     blocks are independent. Not so where only boundaries between classes count: there
-    blocks are exchanged one by one, the most promising first, each if the recount falls. O(h), and
-    O(h) more for each block in that case.
+    at most `MOST` blocks are exchanged one by one, the most promising first, each if the recount falls. O(h),
+    and O(h) more for each of them.
 
     Examples
     --------
@@ -100,7 +101,7 @@ def best_of_both(problem: Instance, one: Solution, other: Solution, count: int |
     if costs(problem, other).total < total:
         best, total, chosen = other, costs(problem, other).total, ~chosen
     order = np.argsort(np.where(chosen, gain, -gain), kind="stable")
-    for k in order[:64].tolist():
+    for k in order[:MOST].tolist():
         if gain[k] == 0.0:
             continue
         chosen[k] = not chosen[k]

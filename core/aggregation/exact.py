@@ -23,6 +23,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from ..errors import MissingEngine, Sentence
+from ..progress import ignore
 from .annealing import annealing
 from .greedy import greedy, helpless
 from .instance import (
@@ -40,13 +41,14 @@ from .instance import (
 )
 from .lagrangian import facing, lagrangian
 
-__all__ = ["Exact", "exact", "require_highs"]
+__all__ = ["FEW", "Exact", "exact", "exact_where_small", "require_highs"]
 
 LARGEST_PROGRAMME = 100_000  # pairs of an area and a core; a part with more gets no bound
 ALL_PAIRS = 1_500  # so many pairs are in the relaxation from the beginning
 NEAREST, BALL = 16, 48  # otherwise: the cheapest cores of an area, and the areas around a core
 MORE = 12  # pairs an area that come in at once
 LARGEST_INTEGER = 6_000  # pairs left that are worth a programme in integers
+FEW, EACH = 20, 10.0  # areas of a part that is solved beside annealing, and how many seconds it may take
 FEW_AREAS = 40  # to so many the programme is quicker than the prices of areas, and mostly proves
 LEVELS = (1e-6, 0.1, 0.25, 0.5, 0.75)  # where the support of a fractional solution is looked at
 
@@ -64,6 +66,9 @@ class Exact(NamedTuple):
         Whether ``found`` is the best one.
     rounds, parts : int
         How many programmes were solved, relaxed ones included, and for how many independent parts.
+    large : int
+        How many of the parts are too large for a programme: they are as in the solution begun with, and the
+        bound knows nothing of their boundaries.
     """
 
     found: Solution
@@ -71,6 +76,7 @@ class Exact(NamedTuple):
     proven: bool
     rounds: int
     parts: int
+    large: int
 
 
 def require_highs() -> tuple[Callable, Callable, type, ModuleType]:
@@ -132,8 +138,9 @@ def exact(
     -----
     The integer programme of Haunert and Wolff (2010), with the cuts of Oehrlein and Haunert (2017).
 
-    Exponential. Thirty areas a part take seconds; with some hundred the bound is within a few percent
-    after a minute.
+    Exponential. Thirty areas a part take seconds; with some hundred the bound is within ten percent
+    after a minute. A part of so many areas that `LARGEST_PROGRAMME` pairs of an area and a core are too few
+    stays as it began.
 
     Examples
     --------
@@ -149,7 +156,7 @@ def exact(
     (True, 1.0)
     """
     tools = require_highs()
-    check = check or (lambda share: None)
+    check = check or ignore
     until = perf_counter() + seconds
     if begin is None:
         begin = annealing(problem, iterations=1000 * len(problem.size))
@@ -168,7 +175,7 @@ def exact(
         for k in np.unique(alike[lost]):
             areas = np.flatnonzero(alike == k)
             core_of[areas] = areas[0]
-    bound, proven, rounds = 0.0, True, 0
+    bound, proven, rounds, large = 0.0, True, 0, 0
     for k, group in enumerate(sorted(groups, key=len)):
         check(k / len(groups))
         left = max(0.1, (until - perf_counter()) / (len(groups) - k))
@@ -178,13 +185,64 @@ def exact(
         bound += at_least
         proven &= solved
         rounds += tried
+        large += part.too_large and not solved
     found = _numbered(problem, core_of)
     bound += _constant(problem, big, core_of, lost)
-    if not proven or problems_of(problem, found, lost):
-        cheaper = costs(problem, begin).total < costs(problem, found).total
-        if cheaper or problems_of(problem, found, lost):
-            found = begin
-    return Exact(found, bound, proven, rounds, len(groups))
+    worse = not proven and costs(problem, begin).total < costs(problem, found).total
+    if worse or problems_of(problem, found, lost):
+        found = begin
+    return Exact(found, bound, proven, rounds, len(groups), large)
+
+
+def exact_where_small(
+    problem: Instance, begin: Solution, check: Callable | None = None
+) -> tuple[Solution, int]:
+    """Exchange what a solution has on islands of at most `FEW` areas for what costs least there.
+
+    There it may take several areas at once to found a region, which annealing now and then misses, while
+    the programme is solved in no more time.
+
+    Parameters
+    ----------
+    problem : Instance
+    begin : Solution
+        Feasible.
+    check : callable, optional
+        Called with None now and then; may raise to stop.
+
+    Returns
+    -------
+    found : Solution
+        Not more expensive than ``begin``.
+    islands : int
+        For how many it is proven that nothing costs less.
+
+    Raises
+    ------
+    MissingEngine
+
+    Examples
+    --------
+    Two areas of 3 and two small ones between them, in a row; a region needs a size of 4. The best is that
+    one area of size 1 changes its class, and not the last one.
+
+    >>> row = [[0, 1], [1, 2], [2, 3]]
+    >>> problem = build([3, 1, 1, 3], [0, 0, 0, 1], range(4), row, np.ones(3), 1 - np.eye(2), [4.0, 4.0])
+    >>> found, islands = exact_where_small(problem, greedy(problem))
+    >>> found.region.tolist(), islands
+    ([0, 0, 1, 1], 1)
+    """
+    tools, island, lost = require_highs(), components(problem), helpless(problem)
+    core_of, none, proven = begin.core[begin.region], np.zeros(len(island), dtype=bool), 0
+    order = np.argsort(island, kind="stable")
+    for group in np.split(order, np.cumsum(np.bincount(island))[:-1]):
+        if not 1 < len(group) <= FEW or lost[group[0]]:
+            continue
+        part = _Part(problem, group, none, begin, tools)
+        core_of[group], _, solved, _ = part.solve(perf_counter() + EACH, check or ignore)
+        proven += solved
+    found = _numbered(problem, core_of) if proven else begin
+    return min((begin, found), key=lambda one: costs(problem, one).total), proven
 
 
 def problems_of(problem: Instance, found: Solution, lost: np.ndarray) -> list[tuple[int, Sentence]]:

@@ -209,7 +209,7 @@ class _Network:
         csr_matrix, maximum_flow, breadth_first_order = self.tools
         n, m = self.n, len(self.half)
         open_ = ~(inside | outside)
-        unit = UNITS / max(np.abs(weight[open_]).sum() + 2.0 * self.half.sum(), 1e-300)
+        unit = UNITS / max(np.abs(weight[open_]).sum() + 2.0 * self.half.sum(), 1e-290)  # finite, too
         # rounded down, so that the flow is a lower bound
         edge = np.floor(self.half * unit)
         gain = np.where(open_, np.floor(np.maximum(-weight, 0.0) * unit), np.where(inside, UNITS, 0.0))

@@ -129,11 +129,9 @@ def lost_areas(
     An area in pieces lost its class if more than half of its size did.
     """
     kept = problem.cls[found.core][found.region]
-    _, area = np.unique(np.array([str(one) for one in sources]), return_inverse=True)
-    area = area.ravel()
-    first = np.full(area.max(initial=-1) + 1, len(area))
-    np.minimum.at(first, area, np.arange(len(area)))
-    cls = problem.cls[first]
+    number: dict = {}  # as they are: text and numbers do not mix, and the number 5 is not the text "5"
+    area = np.array([number.setdefault(one, len(number)) for one in sources], dtype=np.int64)
+    cls = problem.cls[np.unique(area, return_index=True)[1]]
     size = np.bincount(area, weights=problem.size)
     gone = np.bincount(area, weights=problem.size * (kept != problem.cls))
     large = size >= problem.theta[cls] / 2.0

@@ -1,4 +1,8 @@
-"""Named weights of the three costs."""
+"""What the tools offer by name. Without imports, for they ask before anything else is there."""
+
+METHODS = ("greedy", "annealing", "exact")
+DISTANCES = ("equal", "code", "table")
+BOUNDARIES = ("regions", "classes")
 
 # weights of class change, boundary length and centre distance, for 40 hectares
 PRESETS = {

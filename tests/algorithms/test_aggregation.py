@@ -195,6 +195,17 @@ def test_sizes_are_square_metres(qgis_app):
     assert layers["OUTPUT"][0]["size"] == pytest.approx(12_308_778_361, rel=1e-3)
 
 
+def test_neighbours_and_floors_in_degrees_are_in_metres(qgis_app):
+    """A dumbbell, 10 units to a square; a unit is 1e-4 degrees, 11.1 m to the north and 7.2 m to the east."""
+    wkt = re.sub(r"(\d+) (-?\d+)", lambda m: f"{10 + int(m[1]) * 1e-4} {50 + int(m[2]) * 1e-4}", DUMBBELL)
+    layer = areas([(wkt, "1")], crs="EPSG:4326")
+    results, layers, _ = prepare(layer)
+    assert results["PIECE_COUNT"] == 3
+    assert [pair["length"] for pair in layers["ADJACENCY"]] == pytest.approx([11.12, 11.12], rel=2e-3)
+    assert prepare(layer, MIN_LENGTH=11.0)[0]["PIECE_COUNT"] == 3
+    assert prepare(layer, MIN_LENGTH=200.0)[0]["PIECE_COUNT"] == 1
+
+
 # ---- aggregate
 
 
@@ -595,6 +606,23 @@ def test_when_all_classes_are_excluded_that_is_said(qgis_app):
     assert results["TOO_SMALL_COUNT"] == 2
     assert any("all of them are excluded" in line for line in said)
     assert not any("threshold larger" in line or "large enough" in line for line in said)
+
+
+def test_small_islands_are_solved_by_the_exact_method_and_that_is_said(qgis_app):
+    pytest.importorskip("scipy", minversion="1.9")
+    apart = areas([(box(10 * k + 50 * (k // 4), 0), code) for k, code in enumerate("abbaabab")])
+    said = aggregate(apart, THRESHOLD=200, METHOD="annealing")[2]
+    assert "Solved by the exact method, since they have at most 20 areas: 2 independent parts." in said
+    said = aggregate(apart, THRESHOLD=200, METHOD="annealing", ITERATIONS=100)[2]
+    assert not any("exact method" in line for line in said)
+
+
+def test_a_map_that_is_too_large_for_a_proof_is_told(qgis_app, monkeypatch):
+    pytest.importorskip("scipy", minversion="1.9")
+    monkeypatch.setattr("isthmus.core.aggregation.exact.LARGEST_PROGRAMME", 100)
+    said = aggregate(strip("abababbaabab"), THRESHOLD=300, METHOD="exact", SECONDS=2)[2]
+    (line,) = [line for line in said if "No solution" in line]
+    assert line.startswith("Too large to be solved, and left as annealing found it: 1 independent part. No ")
 
 
 @pytest.mark.parametrize("method", ["greedy", "annealing"])

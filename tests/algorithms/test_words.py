@@ -9,7 +9,14 @@ from qgis.core import (
     QgsApplication,
     QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeedback,
+    QgsProcessingModelAlgorithm,
+    QgsProcessingModelChildAlgorithm,
+    QgsProcessingModelChildParameterSource,
+    QgsProcessingModelOutput,
+    QgsProcessingModelParameter,
     QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSource,
     QgsProperty,
 )
 from qgis.PyQt.QtCore import QUrl
@@ -67,6 +74,40 @@ def test_a_text_is_no_number(provider, tool, name):
     assert tool.checkParameterValues({name: "x"}, context) == (False, f"{name} must be a number, and is 'x'.")
     for number in ("2.5", " 2 ", "1e1", 3, None, ""):
         assert "must be a number, and" not in tool.checkParameterValues({name: number}, context)[1]
+
+
+@pytest.mark.parametrize("tool, name, wrong, said", [
+    ("partition", "TAU", 0.5, "TAU must be a number of at least 1, and is 0.5."),
+    ("aggregate", "WEIGHT_BOUNDARY", -1.0, "WEIGHT_BOUNDARY must be a number of at least 0, and is -1."),
+    ("aggregate", "SEED", -1, "SEED must be a number of at least 0, and is -1."),
+    ("aggregate", "WEIGHTS", "light", "WEIGHTS must be one of keep classes, balanced, compact (or its number, "
+     "0 to 2), and is 'light'."),
+    ("prepareaggregation", "TAU", 0.5, "TAU must be a number of at least 1, and is 0.5."),
+])  # fmt: skip
+def test_a_model_gets_the_same_sentence(provider, layer, tool, name, wrong, said):
+    """QGIS does not ask the tools of a model whether they can use what they get."""
+    model, child = QgsProcessingModelAlgorithm("model", "group"), QgsProcessingModelChildAlgorithm()
+    child.setChildId("tool")
+    assert child.setAlgorithmId(f"isthmus:{tool}")
+    source = QgsProcessingModelChildParameterSource
+    for one, value in {"CLASS": "code", "METHOD": "greedy", name: wrong}.items():
+        child.addParameterSources(one, [source.fromStaticValue(value)])
+    child.addParameterSources("INPUT", [source.fromModelParameter("areas")])
+    output = QgsProcessingModelOutput("made")
+    output.setChildId("tool")
+    output.setChildOutputName("OUTPUT")
+    child.setModelOutputs({"made": output})
+    areas = QgsProcessingParameterFeatureSource("areas")
+    model.addModelParameter(areas, QgsProcessingModelParameter("areas"))
+    model.addChildAlgorithm(child)
+    given = {
+        "areas": layer("Polygon?crs=EPSG:3857&field=code:string", [(ROOMS, ["a"])]),
+        "tool:made": "memory:",
+    }
+    feedback = QgsProcessingFeedback(False)
+    _, fine = model.run(given, QgsProcessingContext(), feedback)
+    assert not fine
+    assert said in feedback.textLog() and "Traceback" not in feedback.textLog()
 
 
 def test_help_opens_the_page_of_the_tool(provider):

@@ -163,6 +163,26 @@ def test_what_cannot_be_used_is_said(package, options, error, message):
         package.partition(ROOMS, smallest_part=options.pop("smallest_part", 0), **options)
 
 
+@pytest.mark.parametrize("options, error, message", [
+    ({"weight_boundary": "x"}, TypeError, "weight_boundary must be a number, and is 'x'"),
+    ({"weight_centre": [1.0]}, TypeError, r"weight_centre must be a number, and is \[1.0\]"),
+    ({"weight_change": float("nan")}, ValueError, "weight_change must be a number of at least 0, and is nan"),
+    ({"threshold": -3}, ValueError, "threshold must be a number of at least 0, and is -3"),
+    ({"seed": "x"}, TypeError, "seed must be a number"),
+    ({"weights": "light"}, ValueError, "weights must be keep classes, balanced or compact"),
+    ({"distance": "table"}, ValueError, "A table of class distances"),
+])  # fmt: skip
+def test_what_an_aggregation_cannot_use_is_said(package, options, error, message):
+    with pytest.raises(error, match=message):
+        package.aggregate([ROOMS], class_=["a"], **options)
+
+
+def test_the_exact_method_says_that_it_does_not_count(package):
+    pytest.importorskip("scipy", minversion="1.9")
+    with pytest.warns(UserWarning, match="number of regions is not used"):
+        package.aggregate([ROOMS], class_=["a"], threshold=1, method="exact", regions=3)
+
+
 def test_new_vertices_only_where_they_are_allowed(package):
     """A tooth over a wall without a vertex: in a Z and an M of their own, and of neighbours of other kinds."""
     tooth = "(({0}0 0{1}, 20 0{2}, 20 10{2}, 11 10{1}, 10 1{1}, 9 10{1}, 0 10{1}, 0 0{1}))"

@@ -10,12 +10,20 @@ import pytest
 from isthmus.core.aggregation import annealing as annealing_stage
 from isthmus.core.aggregation import methods
 from isthmus.core.aggregation.annealing import Schedule, _cool, _Effort, annealing
-from isthmus.core.aggregation.exact import _Part, exact, problems_of, require_highs
+from isthmus.core.aggregation.exact import (
+    FEW,
+    _Part,
+    exact,
+    exact_where_small,
+    problems_of,
+    require_highs,
+)
 from isthmus.core.aggregation.greedy import greedy, helpless, reach_count
 from isthmus.core.aggregation.instance import (
     Solution,
     build,
     cheapest_core,
+    components,
     costs,
     enough,
     problems,
@@ -166,6 +174,95 @@ def test_the_time_of_exact_is_that_of_its_first_solution_too(monkeypatch):
     monkeypatch.setattr(methods, "exact", bounded)
     methods.by_method(problem, "exact", seconds=4.0)
     assert told[0] <= 2.0 and 0.0 < took[0] <= 3.4
+
+
+def islands(seed, by_class, large):
+    """Maps as one: an island of so many areas, and others that brute force can solve."""
+    maps = [random_map(100 * seed + k, by_class=by_class) for k in range(4)]
+    maps = [one._replace(theta=np.full(3, 12.0)) for one in maps]
+    one = random_map(seed, n=large, by_class=by_class)._replace(theta=np.full(3, 12.0))
+    maps = [one, *(other._replace(distance=one.distance) for other in maps)]
+    first = np.cumsum([0, *(len(its.size) for its in maps)])
+    pairs = [np.column_stack((its.owner, its.neighbour))[its.owner < its.neighbour] + at
+             for its, at in zip(maps, first)]  # fmt: skip
+    whole = build(
+        *(np.concatenate([getattr(its, name) for its in maps]) for name in ("size", "cls", "place")),
+        np.concatenate(pairs),
+        np.concatenate([its.length[its.owner < its.neighbour] for its in maps]),
+        *one[7:], spread=np.concatenate([its.spread for its in maps]),
+    )  # fmt: skip
+    return whole, maps, first
+
+
+@needs_highs
+@pytest.mark.parametrize("by_class", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_small_islands_are_solved_and_large_ones_left(seed, by_class):
+    whole, maps, first = islands(seed, by_class, 60)
+    begin = greedy(whole)
+    found, proven = exact_where_small(whole, begin)
+    check(whole, found)
+    areas = np.arange(len(whole.size))
+    label = components(whole)
+    small = (np.bincount(label) <= FEW)[label]
+    assert small[first[1] :].all() and not small.all()
+    same = found.region[areas][:, None] == found.region
+    assert (same == (begin.region[:, None] == begin.region))[~small].all()
+    lost = helpless(whole)
+    several = (np.bincount(label) > 1)[label]
+    assert proven == len(set(label[small & several & ~lost].tolist()))
+    for one, lo, hi in zip(maps[1:], first[1:-1], first[2:]):
+        if helpless(one).any():
+            continue
+        part = solution_of(found, lo, hi)
+        assert costs(one, part).total == pytest.approx(cheapest(one), rel=1e-6)
+
+
+def solution_of(found, lo, hi):
+    """The part of a solution with these areas."""
+    names, region = np.unique(found.region[lo:hi], return_inverse=True)
+    return Solution(region.ravel(), found.core[names] - lo)
+
+
+@needs_highs
+def test_annealing_without_limits_leaves_small_islands_to_exact(monkeypatch):
+    problem = islands(0, False, 30)[0]
+    asked = []
+    monkeypatch.setattr(
+        methods, "annealing", lambda problem, **options: asked.append(options) or greedy(problem)
+    )
+    made = methods.by_method(problem, "annealing")
+    assert made.islands >= 4 and made.exact is None
+    assert costs(problem, made.found).total < costs(problem, greedy(problem)).total
+    for limit in ({"iterations": 100}, {"seconds": 9.0}, {"count": 3}):
+        assert methods.by_method(problem, "annealing", **limit).islands == 0
+
+    def missing():
+        raise MissingEngine("no scipy")
+
+    monkeypatch.setattr("isthmus.core.aggregation.exact.require_highs", missing)
+    made = methods.by_method(problem, "annealing")
+    assert made.islands == 0 and costs(problem, made.found) == costs(problem, greedy(problem))
+    assert len(asked) == 5
+
+
+@needs_highs
+def test_what_is_too_large_for_a_programme_is_said(monkeypatch):
+    problem = islands(1, False, 30)[0]
+    monkeypatch.setattr("isthmus.core.aggregation.exact.LARGEST_PROGRAMME", 300)
+    result = exact(problem, 9.0, False, greedy(problem))
+    check(problem, result.found)
+    assert result.large == 1 and not result.proven
+    assert result.bound <= costs(problem, result.found).total
+
+
+@needs_highs
+@pytest.mark.filterwarnings("error")
+def test_a_map_on_which_nothing_costs_anything():
+    problem = random_map(3, n=60, boundary=0.0, centre=0.0)._replace(change=0.0)
+    result = exact(problem, 2.0, False, greedy(problem))
+    check(problem, result.found)
+    assert costs(problem, result.found).total == result.bound == 0.0
 
 
 def test_the_scale_of_prices_is_that_of_moves_that_may_be_made(monkeypatch):

@@ -59,6 +59,12 @@ def test_an_area_of_which_half_stays_has_not_lost_its_class():
     assert told == [[("meadow", 1, 2), ("wood", 0, 1)], [("meadow", 2, 2), ("wood", 0, 1)]]
 
 
+def test_an_area_without_an_id_is_not_that_whose_id_is_its_number():
+    problem = build([3, 3, 3], [0, 0, 1], range(3), [[0, 1], [1, 2]], np.ones(2), 1 - np.eye(2), [4.0, 4.0])
+    found = Solution(np.array([0, 1, 1]), np.array([0, 2]))
+    assert lost_areas(problem, found, ["1", 1, "2"], ["meadow", "wood"]) == [("meadow", 1, 2), ("wood", 0, 1)]
+
+
 def test_chunks_without_a_polygon_have_no_say_in_the_ordinates():
     """A layer with Z whose first features are all without geometry."""
     nothing = Rings(np.empty((0, 2)), np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
