@@ -8,12 +8,15 @@ from pathlib import Path
 
 from qgis.core import (
     NULL,
+    QgsProcessing,
     QgsProcessingAlgorithm,
     QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSource,
     QgsProcessingParameterNumber,
+    QgsWkbTypes,
 )
 from qgis.PyQt.QtGui import QIcon
 
@@ -25,6 +28,13 @@ RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
 
 OPTIONAL = QgsProcessingParameterDefinition.Flag.FlagOptional
+# The geometries of a parameter that takes one kind of layers
+KINDS = {
+    (int(QgsProcessing.SourceType.TypeVectorPolygon),): QgsWkbTypes.GeometryType.PolygonGeometry,
+    (int(QgsProcessing.SourceType.TypeVectorLine),): QgsWkbTypes.GeometryType.LineGeometry,
+}
+UNKNOWN = QgsWkbTypes.GeometryType.UnknownGeometry
+NO_GEOMETRY = QgsWkbTypes.GeometryType.NullGeometry
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
 
@@ -79,7 +89,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             return False, problem
         good, problem = super().checkParameterValues(parameters, context)
         if good:  # before anything is computed
-            problem = overwriting(self, parameters, context) or unwritable(self, parameters)
+            problem = (
+                self.kind_problem(parameters, context)
+                or overwriting(self, parameters, context)
+                or unwritable(self, parameters)
+            )
         return good and not problem, problem
 
     def with_names(self, parameters):
@@ -127,6 +141,23 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             if isinstance(value, (str, int, float)) and value not in options and not empty:
                 return tr("{} must be one of {} (or its number, 0 to {}), and is {!r}.").format(
                     definition.name(), ", ".join(options), len(options) - 1, value
+                )
+        return ""
+
+    def kind_problem(self, parameters, context):
+        """Return a sentence about a layer of points where one of polygons is wanted, or ''.
+
+        The window offers none; qgis_process and scripts take any. A layer of mixed geometries has no type.
+        """
+        for definition in self.parameterDefinitions():
+            name, wanted = definition.name(), None
+            if isinstance(definition, QgsProcessingParameterFeatureSource):
+                wanted = KINDS.get(tuple(map(int, definition.dataTypes())))
+            source = None if wanted is None else self.parameterAsSource(parameters, name, context)
+            kind = wanted if source is None else QgsWkbTypes.geometryType(source.wkbType())
+            if kind not in (wanted, UNKNOWN, NO_GEOMETRY):
+                return tr("{} must be a layer of the type {}, and is of the type {}.").format(
+                    name, *map(QgsWkbTypes.geometryDisplayString, (wanted, kind))
                 )
         return ""
 
