@@ -8,6 +8,7 @@ from pathlib import Path
 
 from qgis.core import (
     NULL,
+    QgsApplication,
     QgsProcessing,
     QgsProcessingAlgorithm,
     QgsProcessingException,
@@ -195,6 +196,10 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             self.addOutput(QgsProcessingOutputNumber(name, tr(label)))
 
     def shortHelpString(self):
+        blocks = [tr(block) for block in help_blocks(self.help_text)]
+        if QgsApplication.platform() == "qgis_process":  # shows no HTML, and the parameters by itself
+            texts = [re.sub("<[^>]*>", "", block.replace("<br/> ", "\n")) for block in blocks]
+            return "\n\n".join(html.unescape(text) for text in texts if text != "{lists}")
         # QGIS shows the help of a parameter in its tool-tip only, and takes each line for a paragraph
         lists = []
         for title, wanted in (("Parameters", False), ("Results", True)):
@@ -204,7 +209,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 if p.isDestination() == wanted
             )
             lists.append(f"<h3>{tr(title)}</h3>{items}")
-        text = "".join(tr(block) for block in help_blocks(self.help_text))
+        text = "".join(blocks)
         return " ".join(text.replace("{lists}", "".join(lists)).split())
 
     def source(self, parameters, context):
