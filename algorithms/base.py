@@ -8,12 +8,16 @@ from pathlib import Path
 
 from qgis.core import (
     NULL,
+    QgsApplication,
+    QgsProcessing,
     QgsProcessingAlgorithm,
     QgsProcessingException,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
+    QgsProcessingParameterFeatureSource,
     QgsProcessingParameterNumber,
+    QgsWkbTypes,
 )
 from qgis.PyQt.QtGui import QIcon
 
@@ -25,6 +29,13 @@ RESOURCES = Path(__file__).parent.parent / "resources"
 ICON = str(RESOURCES / "icon.svg")
 
 OPTIONAL = QgsProcessingParameterDefinition.Flag.FlagOptional
+# The geometries of a parameter that takes one kind of layers
+KINDS = {
+    (int(QgsProcessing.SourceType.TypeVectorPolygon),): QgsWkbTypes.GeometryType.PolygonGeometry,
+    (int(QgsProcessing.SourceType.TypeVectorLine),): QgsWkbTypes.GeometryType.LineGeometry,
+}
+UNKNOWN = QgsWkbTypes.GeometryType.UnknownGeometry
+NO_GEOMETRY = QgsWkbTypes.GeometryType.NullGeometry
 # Of a number that may be large, such as an area: without one, the fields of the window end at 1e9
 LARGEST = 1e18
 
@@ -76,7 +87,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             return False, problem
         good, problem = super().checkParameterValues(parameters, context)
         if good:  # before anything is computed
-            problem = overwriting(self, parameters, context) or unwritable(self, parameters)
+            problem = (
+                self.kind_problem(parameters, context)
+                or overwriting(self, parameters, context)
+                or unwritable(self, parameters)
+            )
         return good and not problem, problem
 
     def with_names(self, parameters):
@@ -134,6 +149,23 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 )
         return ""
 
+    def kind_problem(self, parameters, context):
+        """Return a sentence about a layer of points where one of polygons is wanted, or ''.
+
+        The window offers none; qgis_process and scripts take any. A layer of mixed geometries has no type.
+        """
+        for definition in self.parameterDefinitions():
+            name, wanted = definition.name(), None
+            if isinstance(definition, QgsProcessingParameterFeatureSource):
+                wanted = KINDS.get(tuple(map(int, definition.dataTypes())))
+            source = None if wanted is None else self.parameterAsSource(parameters, name, context)
+            kind = wanted if source is None else QgsWkbTypes.geometryType(source.wkbType())
+            if kind not in (wanted, UNKNOWN, NO_GEOMETRY):
+                return tr("{} must be a layer of the type {}, and is of the type {}.").format(
+                    name, *map(QgsWkbTypes.geometryDisplayString, (wanted, kind))
+                )
+        return ""
+
     def number_problem(self, parameters, context, name, least):
         """Return a sentence about a number that is too small, infinite or none, or ''."""
         value = self.parameterAsDouble(parameters, name, context)
@@ -168,6 +200,10 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             self.addOutput(QgsProcessingOutputNumber(name, tr(label)))
 
     def shortHelpString(self):
+        blocks = [tr(block) for block in help_blocks(self.help_text)]
+        if QgsApplication.platform() == "qgis_process":  # shows no HTML, and the parameters by itself
+            texts = [re.sub("<[^>]*>", "", block.replace("<br/> ", "\n")) for block in blocks]
+            return "\n\n".join(html.unescape(text) for text in texts if text != "{lists}")
         # QGIS shows the help of a parameter in its tool-tip only, and takes each line for a paragraph
         lists = []
         for title, wanted in (("Parameters", False), ("Results", True)):
@@ -177,7 +213,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 if p.isDestination() == wanted
             )
             lists.append(f"<h3>{tr(title)}</h3>{items}")
-        text = "".join(tr(block) for block in help_blocks(self.help_text))
+        text = "".join(blocks)
         return " ".join(text.replace("{lists}", "".join(lists)).split())
 
     def source(self, parameters, context):

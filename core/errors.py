@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["Cancelled", "IsthmusError", "MissingEngine", "Sentence", "Unsolvable"]
+__all__ = ["Cancelled", "IsthmusError", "MissingEngine", "Sentence", "Unsolvable", "number_or_none"]
 
 
 class Sentence(str):
@@ -21,8 +21,8 @@ class Sentence(str):
 
     Examples
     --------
-    >>> Sentence("tau must be a number of at least 1, and is {:g}", 0.5)
-    'tau must be a number of at least 1, and is 0.5'
+    >>> Sentence("the scale must be a number above 0, and is {:g}", -0.5)
+    'the scale must be a number above 0, and is -0.5'
     """
 
     template: str
@@ -32,6 +32,19 @@ class Sentence(str):
         sentence = super().__new__(cls, template.format(*values) if values else template)
         sentence.template, sentence.values = str(template), values
         return sentence
+
+
+def number_or_none(value: float) -> str:
+    """Return a number as a sentence shows it: where a field has a text, or nothing, there is none.
+
+    Examples
+    --------
+    >>> Sentence("tau must be a number of at least 1, and is {}", number_or_none(0.5))
+    'tau must be a number of at least 1, and is 0.5'
+    >>> Sentence("tau must be a number of at least 1, and is {}", number_or_none(float("nan")))
+    'tau must be a number of at least 1, and is no number'
+    """
+    return f"{value:g}" if value == value else Sentence("no number")
 
 
 class IsthmusError(Exception):

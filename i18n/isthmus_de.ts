@@ -276,6 +276,10 @@
    <translation>Ein Ergebnis{} konnte nicht geschrieben werden (ist der Datenträger voll, oder ein Wert zu lang oder dem Format unbekannt?): {}</translation>
   </message>
   <message>
+   <source>A result{} could not be written: it is of the type {}, and the layer takes {} only. Leave it out of the input, or write to a GeoPackage.</source>
+   <translation>Ein Ergebnis{} konnte nicht geschrieben werden: Es ist vom Typ {}, und der Layer nimmt nur {}. Lassen Sie es aus der Eingabe weg, oder schreiben Sie in ein GeoPackage.</translation>
+  </message>
+  <message>
    <source>A table of class distances (DISTANCES) is needed, or another way to measure them.</source>
    <translation>Es fehlt eine Tabelle der Klassenabstände (DISTANCES); sonst wählen Sie eine andere Art, sie zu messen.</translation>
   </message>
@@ -1056,6 +1060,10 @@
    <translation>Bewiesene untere Schranke der Kosten</translation>
   </message>
   <message>
+   <source>Put into lines where others meet or cross them: {}.</source>
+   <translation>In Linien eingefügt, wo andere auf sie treffen oder sie kreuzen: {}.</translation>
+  </message>
+  <message>
    <source>Reading the areas</source>
    <translation>Lese die Flächen</translation>
   </message>
@@ -1248,12 +1256,12 @@
    <translation>Die ausgeschlossene Klasse {} kommt auf der Karte nicht vor.</translation>
   </message>
   <message>
-   <source>The expression for the weight (WEIGHT) is not valid: {}</source>
-   <translation>Der Ausdruck für das Gewicht (WEIGHT) ist ungültig: {}</translation>
+   <source>The expression for {} is not valid: {}</source>
+   <translation>Der Ausdruck für {} ist ungültig: {}</translation>
   </message>
   <message>
-   <source>The expression for the weight (WEIGHT) uses an unknown field: {}.</source>
-   <translation>Der Ausdruck für das Gewicht (WEIGHT) enthält ein unbekanntes Feld: {}.</translation>
+   <source>The expression for {} uses an unknown field: {}.</source>
+   <translation>Der Ausdruck für {} enthält ein unbekanntes Feld: {}.</translation>
   </message>
   <message>
    <source>The field that is equal for the pieces of one area. Default: area_id, if there are fields area_id and piece.</source>
@@ -1270,6 +1278,10 @@
   <message>
    <source>The field {} tells which pieces belong to one area.</source>
    <translation>Das Feld {} sagt, welche Stücke zu einer Fläche gehören.</translation>
+  </message>
+  <message>
+   <source>The format keeps a field {} of its own: rename that of the input, or choose another format.</source>
+   <translation>Das Format hat selbst ein Feld {}: Benennen Sie das der Eingabe um, oder wählen Sie ein anderes Format.</translation>
   </message>
   <message>
    <source>The largest detour in the finest level: how many times longer than the straight line across a neck the way along the outline may be; at least 1. Smaller values cut more. A field or expression can set it for each feature.</source>
@@ -1704,12 +1716,12 @@
    <translation>die Geometrie fehlt</translation>
   </message>
   <message>
-   <source>it has no polygon</source>
-   <translation>kein Polygon vorhanden</translation>
-  </message>
-  <message>
    <source>it is empty</source>
    <translation>die Geometrie ist leer</translation>
+  </message>
+  <message>
+   <source>it is no polygon</source>
+   <translation>es ist kein Polygon</translation>
   </message>
   <message>
    <source>it is not one straight line between two points</source>
@@ -1800,6 +1812,10 @@
    <translation>keine Klasse</translation>
   </message>
   <message>
+   <source>no number</source>
+   <translation>keine Zahl</translation>
+  </message>
+  <message>
    <source>none (optional)</source>
    <translation>keine (optional)</translation>
   </message>
@@ -1864,6 +1880,14 @@
    <translation>Stellen</translation>
   </message>
   <message>
+   <source>point</source>
+   <translation>Punkt</translation>
+  </message>
+  <message>
+   <source>points</source>
+   <translation>Punkte</translation>
+  </message>
+  <message>
    <source>polygon {}</source>
    <translation>Polygon {}</translation>
   </message>
@@ -1908,12 +1932,12 @@
    <translation>tau = {tau:g}</translation>
   </message>
   <message>
-   <source>tau must be a number from 1 to below {:g}, and is {:g}</source>
-   <translation>tau muss eine Zahl von 1 bis unter {:g} sein und ist {:g}</translation>
+   <source>tau must be a number from 1 to below {:g}, and is {}</source>
+   <translation>tau muss eine Zahl von 1 bis unter {:g} sein und ist {}</translation>
   </message>
   <message>
-   <source>tau must be a number of at least 1, and is {:g}</source>
-   <translation>tau muss eine Zahl ab 1 sein und ist {:g}</translation>
+   <source>tau must be a number of at least 1, and is {}</source>
+   <translation>tau muss eine Zahl ab 1 sein und ist {}</translation>
   </message>
   <message>
    <source>tau: largest detour allowed</source>
@@ -1928,8 +1952,8 @@
    <translation>das Python-Paket shapely fehlt</translation>
   </message>
   <message>
-   <source>the budget must be a number of at least 0, and is {:g}</source>
-   <translation>das Budget muss eine Zahl ab 0 sein und ist {:g}</translation>
+   <source>the budget must be a number of at least 0, and is {}</source>
+   <translation>das Budget muss eine Zahl ab 0 sein und ist {}</translation>
   </message>
   <message>
    <source>the budget of {:g} cannot be met: the least possible cost is {:.12g}, for the cuts that connect holes</source>
@@ -2116,10 +2140,6 @@
    <translation>{} konnte nicht vollständig nach {} geschrieben werden. Ist der Datenträger voll?</translation>
   </message>
   <message>
-   <source>{} features, {} points.</source>
-   <translation>{} Objekte, {} Punkte.</translation>
-  </message>
-  <message>
    <source>{} has come damaged: its checksum is wrong. Nothing was changed. Try again.</source>
    <translation>{} ist beschädigt angekommen: Die Prüfsumme stimmt nicht. Es wurde nichts geändert. Versuchen Sie es noch einmal.</translation>
   </message>
@@ -2148,12 +2168,16 @@
    <translation>{} ist nicht wie erwartet und wurde nicht ausgepackt.</translation>
   </message>
   <message>
-   <source>{} must be a number from 0 on, and is {:g}</source>
-   <translation>{} muss eine Zahl ab 0 sein und ist {:g}</translation>
+   <source>{} must be a layer of the type {}, and is of the type {}.</source>
+   <translation>{} muss ein Layer vom Typ {} sein und ist vom Typ {}.</translation>
   </message>
   <message>
-   <source>{} must be a number from 0 to {:g}, and is {:g}</source>
-   <translation>{} muss eine Zahl von 0 bis {:g} sein und ist {:g}</translation>
+   <source>{} must be a number from 0 on, and is {}</source>
+   <translation>{} muss eine Zahl ab 0 sein und ist {}</translation>
+  </message>
+  <message>
+   <source>{} must be a number from 0 to {:g}, and is {}</source>
+   <translation>{} muss eine Zahl von 0 bis {:g} sein und ist {}</translation>
   </message>
   <message>
    <source>{} must be a number of at least {:g}, and is {:g}.</source>
@@ -2186,10 +2210,6 @@
   <message>
    <source>{} of {} relevant edges were left out: an end is not a point of the map.</source>
    <translation>{} von {} relevanten Kanten wurden weggelassen: Ein Ende ist kein Punkt der Karte.</translation>
-  </message>
-  <message>
-   <source>{} points were put into lines where others meet or cross them.</source>
-   <translation>{} Punkte wurden in Linien eingefügt, wo andere auf sie treffen oder sie kreuzen.</translation>
   </message>
   <message>
    <source>{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging and splitting single regions.</source>

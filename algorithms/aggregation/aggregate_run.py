@@ -26,7 +26,7 @@ from ..base import amount, counted
 from ..layers import wkb
 from ..layers.fields import LONG, make_fields
 from ..layers.sinks import Sinks
-from ..layers.source import Reader
+from ..layers.source import Reader, shapeless
 from ..layers.styles import style_on_load
 from ..words import as_sentence, spoken, tr
 from . import areas as layer
@@ -188,9 +188,7 @@ class _Run:
         layer.tell_scale(feedback, crs, areas.coverage.xy, self.context)
         feedback.setProgressText(tr("Finding shared boundaries"))
         texts = layer.texts(areas.features, self.class_index)
-        empty, without = Sentence("it is empty"), Sentence("it has no geometry")
-        shapeless = [empty if one.hasGeometry() else without for one in areas.features]
-        self.reason = reasons_of(areas, texts, shapeless)
+        self.reason = reasons_of(areas, texts, [shapeless(one) for one in areas.features])
         invalid, overlaps = flaws(areas)
         self._tell_invalid(set(invalid.tolist()) - set(self.reason))
         layer.tell_overlaps(feedback, areas.features, overlaps)

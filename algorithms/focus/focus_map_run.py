@@ -31,6 +31,7 @@ from ...core.focus.graph import match
 from ...core.focus.selection import rule_of
 from ...core.metric import FARTHEST
 from ...core.wkb import joined
+from ..base import counted
 from ..layers import wkb
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
@@ -129,7 +130,7 @@ def _solve(tool, parameters, context, feedback, given, focus_source, crs):
     """The focus map; None if cancelled."""
     focus = _focus(focus_source, crs, context)
     edges = _given(tool, parameters, context, crs, given.rows, feedback)
-    feedback.pushInfo(tr("{} features, {} points.").format(len(given.features), len(given.rows)))
+    feedback.pushInfo(f"{counted(len(given.features), 'feature')}, {counted(len(given.rows), 'point')}.")
     growth, aspect = tool.parameterAsDouble(parameters, tool.GROWTH, context) / 100.0, 1.0
     degrees = degrees_of(crs)
     if degrees:
@@ -193,7 +194,9 @@ def _tell(feedback, result):
         )
     if len(result.splits):
         feedback.pushInfo(
-            tr("{} points were put into lines where others meet or cross them.").format(len(result.splits))
+            tr("Put into lines where others meet or cross them: {}.").format(
+                counted(len(result.splits), "point")
+            )
         )
 
 

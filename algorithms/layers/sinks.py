@@ -19,6 +19,7 @@ from qgis.core import (
     QgsProperty,
     QgsProviderRegistry,
     QgsVectorFileWriter,
+    QgsWkbTypes,
 )
 
 from ...core.errors import Sentence
@@ -26,6 +27,8 @@ from ..words import spoken, tr
 
 # formats that keep every feature, and can be read
 READ_AGAIN = (".gpkg", ".geojson", ".json", ".shp", ".dbf", ".csv", ".fgb", ".sqlite")
+# fields that a format adds by itself; one of the input's by that name cannot be written
+OWN_FIELDS = {".gpkg": ("fid", "geom"), ".sqlite": ("ogc_fid", "geometry")}
 # what belongs to a file besides the file itself
 BESIDE = ("-journal", "-wal", "-shm")
 SIDECARS = {
@@ -160,7 +163,7 @@ class Sinks:
         problem = overwriting(tool, parameters, context) or unwritable(tool, parameters)
         if problem:
             raise QgsProcessingException(problem)
-        self.destinations, self.fields = {}, {}
+        self.destinations, self.fields, self._types = {}, {}, {}
         self._sinks, self._written, self._texts = {}, {}, []
         self._held = {}  # what is added to layers that were there before, all at once in the end
 
@@ -179,13 +182,15 @@ class Sinks:
         except QgsProcessingException as error:
             if is_new:  # a disk that is full leaves its beginning
                 _remove_files(Path(file))
-            if file is None or os.path.isdir(os.path.dirname(file)):
+            if file is None:
                 raise
+            if os.path.isdir(os.path.dirname(file)):
+                raise QgsProcessingException(f"{error}{_of_the_format(fields, file)}") from error
             raise QgsProcessingException(
                 tr("{} cannot be written to {}: there is no such folder. {}").format(name, file, error)
             ) from error
         if sink is not None:
-            self._sinks[name], self.fields[name] = sink, fields
+            self._sinks[name], self.fields[name], self._types[name] = sink, fields, wkb_type
             self.destinations[name], self._written[name] = destination, 0
             if _appends(self.parameters.get(name)):
                 self._held[name] = []
@@ -209,7 +214,7 @@ class Sinks:
         if name in self._held:
             self._held[name].append(feature)
         elif not self._sinks[name].addFeature(feature, _FAST):
-            raise QgsProcessingException(_not_written(self._sinks[name], origin))
+            raise QgsProcessingException(self._not_written(name, origin, geometry))
         self._written[name] += 1
 
     def write_text(self, path, text):
@@ -230,7 +235,7 @@ class Sinks:
         if kind is None and not self.feedback.isCanceled():
             for name, features in self._held.items():
                 if not self._sinks[name].addFeatures(features, _FAST):
-                    message = message or _not_written(self._sinks[name])
+                    message = message or self._not_written(name)
         self._sinks.clear()  # this closes them
         if kind is None and not self.feedback.isCanceled():
             lost = [name for name in self.destinations if not self._is_complete(name)]
@@ -256,6 +261,22 @@ class Sinks:
             table = source and (source.GetLayerByName(layer) if layer else source.GetLayer(0))
             return table is not None and table.GetFeatureCount() >= self._written[name]
 
+    def _not_written(self, name, origin="", geometry=None):
+        """Why a result could not be written, and what to do about it."""
+        origin = origin and f" ({spoken(origin)})"
+        kind = self._types[name]
+        if geometry and not geometry.isNull() and geometry.type() != QgsWkbTypes.geometryType(kind):
+            return tr(
+                "A result{} could not be written: it is of the type {}, and the layer takes {} only. Leave "
+                "it out of the input, or write to a GeoPackage."
+            ).format(origin, *map(QgsWkbTypes.displayString, (geometry.wkbType(), kind)))
+        return tr(
+            "A result{} could not be written (is the disk full, or a value too long or unknown to "
+            "the format?): {}"
+        ).format(origin, self._sinks[name].lastError()) + _of_the_format(
+            self.fields[name], self.destinations[name].partition("|")[0]
+        )
+
     def _message(self, lost):
         paths = ", ".join(str(_path(self.destinations[name])) for name in lost)
         return tr(
@@ -280,11 +301,14 @@ class Sinks:
         return found
 
 
-def _not_written(sink, origin=""):
-    return tr(
-        "A result{} could not be written (is the disk full, or a value too long or unknown to "
-        "the format?): {}"
-    ).format(origin and f" ({spoken(origin)})", sink.lastError())
+def _of_the_format(fields, file):
+    """What to do about a field that the format of a file has for itself, or ''."""
+    for name in fields.names():
+        if name.lower() in OWN_FIELDS.get(Path(file).suffix.lower(), ()):
+            return " " + tr(
+                "The format keeps a field {} of its own: rename that of the input, or choose another format."
+            ).format(name)
+    return ""
 
 
 def _path(destination):

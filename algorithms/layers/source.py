@@ -1,7 +1,8 @@
 """Features of a layer, one by one or in chunks, with progress."""
 
-from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource
+from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource, QgsWkbTypes
 
+from ...core.errors import Sentence
 from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
 from .wkb import common_type, is_patched, patches
 
@@ -84,6 +85,15 @@ class Reader:
     def progress(self, share):
         """Report the share done of the current feature or chunk."""
         self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
+
+
+def shapeless(feature):
+    """Return why a feature has no polygon."""
+    if not feature.hasGeometry():
+        return Sentence("it has no geometry")
+    if feature.geometry().type() != QgsWkbTypes.GeometryType.PolygonGeometry:
+        return Sentence("it is no polygon")
+    return Sentence("it is empty")
 
 
 def _in_polygons(feature):

@@ -203,9 +203,12 @@ class PartitionTool(IsthmusAlgorithm):
     def objective_problem(self, parameters, context):
         """Return a sentence about a shared parameter that cannot be used, or ''."""
         for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
-            if self.parameterDefinition(name) is None or QgsProcessingParameters.isDynamic(parameters, name):
+            if self.parameterDefinition(name) is None:
                 continue
-            problem = self.limit_problem(parameters, context, name)
+            if QgsProcessingParameters.isDynamic(parameters, name):
+                problem = self.property_problem(parameters, name, context)
+            else:
+                problem = self.limit_problem(parameters, context, name)
             if problem:
                 return problem
         if self.parameterAsEnumString(parameters, self.OBJECTIVE, context) == BY_WEIGHT:
@@ -213,13 +216,20 @@ class PartitionTool(IsthmusAlgorithm):
                 self.parameterAsSource(parameters, name, context) for name in (self.INPUT, self.CANDIDATES)
             ]
             text = self.parameterAsString(parameters, self.WEIGHT, context)
-            return expression_problem(text, [source.fields() for source in sources if source])
+            if not text.strip():
+                return tr("MinWeight needs an expression for the weight of a candidate (WEIGHT).")
+            return expression_problem(self.WEIGHT, text, [source.fields() for source in sources if source])
         return ""
 
+    def property_problem(self, parameters, name, context):
+        """Return a sentence about the field or expression of a data-defined number, or ''."""
+        source = self.parameterAsSource(parameters, self.INPUT, context)
+        return expression_problem(name, parameters[name].asExpression(), [source.fields()] if source else [])
+
     def dynamic_problem(self, parameters, name, context, least):
-        """Return a sentence about a number that is not data-defined, or ''."""
+        """Return a sentence about a number that cannot be used, or that no feature can have, or ''."""
         if QgsProcessingParameters.isDynamic(parameters, name):
-            return ""
+            return self.property_problem(parameters, name, context)
         return self.number_problem(parameters, context, name, least) or self.limit_problem(
             parameters, context, name
         )
@@ -311,19 +321,17 @@ class CuttingTool(PartitionTool):
         )
 
 
-def expression_problem(text, all_fields):
+def expression_problem(name, text, all_fields):
     """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
-    if not text.strip():
-        return tr("MinWeight needs an expression for the weight of a candidate (WEIGHT).")
     expression = QgsExpression(text)
     if expression.hasParserError():
-        return tr("The expression for the weight (WEIGHT) is not valid: {}").format(
-            expression.parserErrorString()
-        )
-    known = set(all_fields[0].names())
-    if len(all_fields) > 1:  # as the candidates have them
-        known = set(QgsProcessingUtils.combineFields(*all_fields).names())
-    unknown = expression.referencedColumns() - known - {QgsFeatureRequest.ALL_ATTRIBUTES}
+        return tr("The expression for {} is not valid: {}").format(name, expression.parserErrorString())
+    if not all_fields:
+        return ""
+    # as the candidates have them
+    known = all_fields[0] if len(all_fields) == 1 else QgsProcessingUtils.combineFields(*all_fields)
+    columns = expression.referencedColumns() - {QgsFeatureRequest.ALL_ATTRIBUTES}
+    unknown = [column for column in columns if known.lookupField(column) < 0]
     if unknown:
-        return tr("The expression for the weight (WEIGHT) uses an unknown field: {}.").format(min(unknown))
+        return tr("The expression for {} uses an unknown field: {}.").format(name, min(unknown))
     return ""

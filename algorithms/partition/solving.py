@@ -24,6 +24,7 @@ from ...core.partition.features import prepare as prepare_polygons
 from ...core.progress import checker, ignore, stretch
 from ..dependencies import engines_with_wheels
 from ..layers import wkb
+from ..layers.source import shapeless
 from ..words import tr
 from .candidate_lines import CandidateLines
 from .cutting import BY_LENGTH, BY_WEIGHT, NATURAL
@@ -203,7 +204,7 @@ def problems(reader, settings, feedback, share):
 def reasons_of(feature, verdicts):
     """Return why polygons of a feature were not solved, each reason once, by the verdicts of all of them."""
     if not len(verdicts):
-        return [Sentence("it has no geometry") if not feature.hasGeometry() else Sentence("it is empty")]
+        return [shapeless(feature)]
     return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
 
 

@@ -19,7 +19,7 @@ from ...core.partition.tradeoff import paying_steps
 from ...core.progress import stretch
 from ..layers.fields import make_fields
 from ..layers.sinks import Sinks
-from ..layers.source import Reader
+from ..layers.source import Reader, shapeless
 from ..words import spoken, tr
 from . import report
 from .cutting import BY_SIZE
@@ -81,7 +81,7 @@ def _curves(tool, source, settings, low, high, most, unit, sinks, feedback):
                 reasons = list(dict.fromkeys(problem.verdict[chunk.owner == f]))
                 if not any(reason == "" for reason in reasons):
                     skipped += 1
-                    reason = reasons[0] if reasons else Sentence("it has no polygon")
+                    reason = reasons[0] if reasons else shapeless(feature)
                     feedback.pushWarning(
                         tr("Feature {} has no curve: {}.").format(feature.id(), spoken(reason))
                     )

@@ -12,7 +12,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from ..errors import Sentence
+from ..errors import Sentence, number_or_none
 from ..metric import Metric
 from ..progress import ignore
 from ..rings import Rings, offsets_of, signed_areas, take
@@ -316,9 +316,11 @@ def _floors(smallest_part, min_length, min_hole):
         bad = ~((values >= 0.0) & (values <= most))
         for f in np.flatnonzero(bad).tolist():
             reasons[f] = (
-                Sentence("{} must be a number from 0 to {:g}, and is {:g}", name, most, values[f])
+                Sentence(
+                    "{} must be a number from 0 to {:g}, and is {}", name, most, number_or_none(values[f])
+                )
                 if most < math.inf
-                else Sentence("{} must be a number from 0 on, and is {:g}", name, values[f])
+                else Sentence("{} must be a number from 0 on, and is {}", name, number_or_none(values[f]))
             )
         floors.append(np.where(bad, 0.0, values))
     return floors, reasons
@@ -361,7 +363,7 @@ def for_tau(
     """
     bad = ~((tau >= 1.0) & (tau < np.inf))
     for f in np.flatnonzero(bad).tolist():
-        problem.refuse(f, Sentence("tau must be a number of at least 1, and is {:g}", tau[f]))
+        problem.refuse(f, Sentence("tau must be a number of at least 1, and is {}", number_or_none(tau[f])))
     selection = solve.select(
         problem.prepared,
         np.where(bad, 1.0, tau)[problem.owner],
@@ -418,7 +420,9 @@ def within_budget(
     count, tau, unproven = len(problem.chunk.features), [], {}
     for f, own in enumerate(budget):
         if not 0.0 <= own < math.inf:
-            problem.refuse(f, Sentence("the budget must be a number of at least 0, and is {:g}", own))
+            problem.refuse(
+                f, Sentence("the budget must be a number of at least 0, and is {}", number_or_none(own))
+            )
     options = _trial(problem, check)
     answers = together(
         [smallest_dilation(own) for own in budget],

@@ -10,7 +10,7 @@ from typing import Callable, Iterator, NamedTuple
 
 import numpy as np
 
-from ..errors import Sentence
+from ..errors import Sentence, number_or_none
 from ..progress import ignore, stretch
 from ..rings import offsets_of, ranges, take
 from .features import Pieces, Problem, pieces
@@ -96,7 +96,8 @@ def nest(
     prepared, features = problem.prepared, problem.chunk.features
     bad = ~((tau >= 1.0) & (tau < NO_END))
     for f in np.flatnonzero(bad).tolist():
-        problem.refuse(f, Sentence("tau must be a number from 1 to below {:g}, and is {:g}", NO_END, tau[f]))
+        own = number_or_none(tau[f])
+        problem.refuse(f, Sentence("tau must be a number from 1 to below {:g}, and is {}", NO_END, own))
     tau = np.where(bad, 1.0, tau)
     wanted = np.full(len(features), np.nan)
     if count is not None:

@@ -342,7 +342,11 @@ def test_the_report(qgis_app, tmp_path):
     assert f"<td>{results['TOTAL_COST']:.6g}</td>" in total
     assert "Minimum size: 300 square metres.</p>" in text
     (lost,) = [row for row in cells if row.startswith("<td class=text>a&lt;b</td><td>2</td>")]
-    assert "100.0 %" in lost or "0.0 %" in lost
+    told = [text for text in re.findall(r"<td[^>]*>([^<]*)", lost) if text]
+    assert told == ["a&lt;b", "2", "0.0", "40.0 %", "0", "0.0", "0.0 %"]  # ha, before and after
+    (won,) = [row for row in cells if row.startswith("<td class=text>a</td><td>3</td>")]
+    told = [text for text in re.findall(r"<td[^>]*>([^<]*)", won) if text]
+    assert told == ["a", "3", "0.0", "60.0 %", "1", "0.1", "100.0 %"]
     refused, _, said = aggregate(strip("ab"), REPORT=str(tmp_path / "nothere" / "x.html"))
     assert refused is None and any("report could not be written" in line for line in said)
 

@@ -113,3 +113,10 @@ def test_command_line(qgis_process, rooms, tmp_path):
         fails=True,
     )  # fmt: skip
     assert "must be a number of at least 1" in message
+
+
+def test_help_in_a_terminal_is_plain_text(qgis_process):
+    text = qgis_process("help", "isthmus:aggregate")
+    assert "\nThe sum of three parts, each with a weight:\nclass change: size in square metres times" in text
+    assert not [line for line in text.splitlines() if "</" in line or "{lists}" in line]
+    assert text.count("THRESHOLD: ") == 1

@@ -1,5 +1,6 @@
 """Polygons to test with. Coordinates are integers wherever an exact answer is wanted."""
 
+import functools
 import importlib.util
 import os
 import random
@@ -69,6 +70,21 @@ def circle(n, radius=1.0, centre=(0.0, 0.0)):
 # ---------------------------------------------------------------- random polygons
 
 
+def drawn(function):
+    """Draw each random polygon once: tests with other options share it, and none may change it."""
+
+    @functools.wraps(function)
+    @functools.lru_cache(maxsize=None)
+    def once(*arguments, **options):
+        found = function(*arguments, **options)
+        for array in found:
+            array.flags.writeable = False
+        return found
+
+    return once
+
+
+@drawn
 def tour(seed, n, size=10**6):
     """A simple polygon through n random points: a tour freed of crossings by 2-opt moves."""
     rng = np.random.default_rng([1, seed, n])
@@ -86,6 +102,7 @@ def tour(seed, n, size=10**6):
     return shape(ring)
 
 
+@drawn
 def mosaic(seed, points, share=0.6, size=10**6, holes=True):
     """Random triangles of a Delaunay triangulation, united; touching holes come naturally.
 
@@ -105,6 +122,7 @@ def mosaic(seed, points, share=0.6, size=10**6, holes=True):
             return from_shapely(polygon)
 
 
+@drawn
 def polyomino(seed, width, height, share=0.65, keep=1.0):
     """Unit cells united; the corners where it runs straight on are kept with a probability.
 

@@ -105,7 +105,8 @@ def test_what_exact_begins_with_is_kept_where_nothing_cheaper_is_proven(seed, de
     begin = annealing(problem, iterations=4000)
     result = exact(problem, 0.0, decompose, begin)
     check(problem, result.found)
-    assert result.proven or costs(problem, result.found).total <= costs(problem, begin).total
+    if not (decompose and result.proven):  # the best of the pieces may cost more than what crosses them
+        assert costs(problem, result.found).total <= costs(problem, begin).total * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -20,22 +20,20 @@ BAD = [
 
 def some(seed):
     """Polygons of all kinds, extreme and bad ones among them, in random order."""
-    rng = np.random.default_rng(seed)
-    found = [
-        [
-            shapes.tour(s, 4 + s % 30),
-            shapes.mosaic(s, 15 + s % 25),
-            shapes.polyomino(s, 5, 5, 0.7, 0.5),
-            shapes.with_duplicates(shapes.mosaic(s, 15, size=7), 2),
-            shapes.reversed_rings(shapes.polyomino(s, 4, 4, 0.8, 0.5)),
-            shapes.tour(s, 12).mapped(lambda xy: xy * 1e90),
-            shapes.tour(s, 9).mapped(lambda xy: xy * 1e-120),
-            list(shapes.TOUCHING.values())[s % len(shapes.TOUCHING)],
-            BAD[s % len(BAD)],
-        ][k]
-        for k, s in zip(rng.integers(0, 9, 60).tolist(), rng.integers(0, 10**6, 60).tolist())
+    kinds = [
+        lambda s: shapes.tour(s, 4 + s % 30),
+        lambda s: shapes.mosaic(s, 15 + s % 25),
+        lambda s: shapes.polyomino(s, 5, 5, 0.7, 0.5),
+        lambda s: shapes.with_duplicates(shapes.mosaic(s, 15, size=7), 2),
+        lambda s: shapes.reversed_rings(shapes.polyomino(s, 4, 4, 0.8, 0.5)),
+        lambda s: shapes.tour(s, 12).mapped(lambda xy: xy * 1e90),
+        lambda s: shapes.tour(s, 9).mapped(lambda xy: xy * 1e-120),
+        lambda s: list(shapes.TOUCHING.values())[s % len(shapes.TOUCHING)],
+        lambda s: BAD[s % len(BAD)],
     ]
-    return found, rng
+    rng = np.random.default_rng(seed)
+    chosen, seeds = rng.integers(0, len(kinds), 60), rng.integers(0, 10**6, 60)
+    return [kinds[k](s) for k, s in zip(chosen.tolist(), seeds.tolist())], rng
 
 
 def alone(s, tau, **options):

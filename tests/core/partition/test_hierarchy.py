@@ -111,5 +111,7 @@ def test_paths_and_array_calls_tell_the_same(monkeypatch, name, tau):
         found.append(hierarchy(prepared, select(prepared, tau)))
     assert len(found[0].cut) > 2
     assert np.allclose(found[0].persistence, found[1].persistence, rtol=1e-9)
-    # where several are needed as little, which goes first is a matter of the last digit
-    assert (found[0].rank == found[1].rank).all() or len(np.unique(found[0].persistence)) < len(found[0].cut)
+    if (
+        name != "comb"
+    ):  # all its cuts are needed as little, and which goes first is a matter of the last digit
+        assert (found[0].rank == found[1].rank).all()
