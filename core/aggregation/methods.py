@@ -81,6 +81,14 @@ def by_method(
         )
         return found, None
     limit, began = seconds or 60.0, perf_counter()
-    begin = annealing(problem, seed, 3000 * len(problem.size), FIRST * limit, check=check)
-    result = exact(problem, max(0.0, limit - (perf_counter() - began)), decompose, begin, check)
+    begin = annealing(
+        problem, seed=seed, iterations=3000 * len(problem.size), seconds=FIRST * limit, check=check
+    )
+    result = exact(
+        problem,
+        seconds=max(0.0, limit - (perf_counter() - began)),
+        decompose=decompose,
+        begin=begin,
+        check=check,
+    )
     return result.found, result

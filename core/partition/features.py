@@ -327,7 +327,7 @@ def _floors(smallest_part, min_length, min_hole):
 
 
 def for_tau(
-    problem: Problem, tau: np.ndarray, max_gap: float = 0.001, check: Callable = ignore
+    problem: Problem, tau: np.ndarray, *, max_gap: float = 0.001, check: Callable = ignore
 ) -> tuple[Selection, dict[int, float]]:
     """Choose the cuts for a largest detour (MinSize or MinWeight, section 2 of the paper).
 

@@ -60,7 +60,7 @@ class Nested(NamedTuple):
 
 
 def nest(
-    problem: Problem, tau: np.ndarray, count: np.ndarray | None = None, check: Callable = ignore
+    problem: Problem, tau: np.ndarray, *, count: np.ndarray | None = None, check: Callable = ignore
 ) -> Nested:
     """Solve a chunk and order its cuts.
 
