@@ -268,7 +268,7 @@ def select(
 def _candidates(coords, offsets):
     """A polygon, and the diagonals of its triangulation."""
     polygon = polygon_stage.one(coords, offsets)
-    triangles, (problem,) = triangulate(polygon)
+    triangles, (problem,), _ = triangulate(polygon)
     if problem:
         raise Unsolvable(problem)
     return polygon, diagonals(polygon, triangles)
