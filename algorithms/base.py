@@ -82,17 +82,33 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
     def checkParameterValues(self, parameters, context):
         # qgis_process and scripts never ask canExecute
         parameters = self.with_names(parameters)
-        problem = self.any_problem(parameters, context)
-        if problem:
-            return False, problem
-        good, problem = super().checkParameterValues(parameters, context)
-        if good:  # before anything is computed
-            problem = (
-                self.kind_problem(parameters, context)
-                or overwriting(self, parameters, context)
-                or unwritable(self, parameters)
-            )
+        try:
+            problem = self.any_problem(parameters, context)
+            if problem:
+                return False, problem
+            good, problem = super().checkParameterValues(parameters, context)
+            if good:  # before anything is computed
+                problem = (
+                    self.kind_problem(parameters, context)
+                    or overwriting(self, parameters, context)
+                    or unwritable(self, parameters)
+                )
+        except QgsProcessingException as unreadable:
+            return False, str(unreadable)
         return good and not problem, problem
+
+    def parameterAsSource(self, parameters, name, context):
+        try:
+            return super().parameterAsSource(parameters, name, context)
+        except QgsProcessingException:
+            raise
+        except Exception as error:  # one of C++, without a name, while QGIS 3.34 takes the layer's extent
+            raise QgsProcessingException(
+                tr(
+                    "QGIS cannot read {} ({}): has it a coordinate that is not finite? Delete such features, "
+                    "or use another version of QGIS."
+                ).format(name, error)
+            ) from error
 
     def with_names(self, parameters):
         """Return parameters in which a choice has its name, though its number was given.

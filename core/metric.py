@@ -57,7 +57,7 @@ def planar() -> Metric:
     return Metric(_same, _planar_length, _same, None)
 
 
-def ellipsoidal(a: float = 6378137.0, b: float = 6356752.314245179, degrees: float = 1.0) -> Metric:
+def ellipsoidal(*, a: float = 6378137.0, b: float = 6356752.314245179, degrees: float = 1.0) -> Metric:
     """Return the metric of longitude and latitude on an ellipsoid.
 
     Parameters

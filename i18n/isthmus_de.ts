@@ -1064,6 +1064,10 @@
    <translation>In Linien eingefügt, wo andere auf sie treffen oder sie kreuzen: {}.</translation>
   </message>
   <message>
+   <source>QGIS cannot read {} ({}): has it a coordinate that is not finite? Delete such features, or use another version of QGIS.</source>
+   <translation>QGIS kann {} nicht lesen ({}): Ist darin eine Koordinate nicht endlich? Löschen Sie solche Objekte, oder verwenden Sie eine andere Version von QGIS.</translation>
+  </message>
+  <message>
    <source>Reading the areas</source>
    <translation>Lese die Flächen</translation>
   </message>

@@ -333,7 +333,10 @@ def _tables(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The smallest size of a region of each class, and the distance of each class to each other."""
     theta, _ = class_thresholds(
-        names, threshold, (thresholds or {}).items(), [text(one) or "" for one in excluded]
+        names,
+        threshold,
+        table=(thresholds or {}).items(),
+        excluded=[text(one) or "" for one in excluded],
     )
     matrix, _ = class_distances(
         names, distance, [(a, b, value) for (a, b), value in (distances or {}).items()]

@@ -167,7 +167,7 @@ def partition(
     )
 
     def choose(problem: Problem) -> tuple[Any, dict[int, str]]:
-        selection, gaps = features.for_tau(problem, bound[problem.chunk.features], max_gap / 100.0)
+        selection, gaps = features.for_tau(problem, bound[problem.chunk.features], max_gap=max_gap / 100.0)
         return selection, {
             f: f"a gap of {100.0 * gap:.3g} per cent to the lower bound" for f, gap in gaps.items()
         }
@@ -378,7 +378,7 @@ def hierarchy(
     for problem, shapes in _problems(origin, settings):
         chunk = problem.chunk
         own = None if count is None else count[chunk.features]
-        nested = nesting.nest(problem, begin[chunk.features], own)
+        nested = nesting.nest(problem, begin[chunk.features], count=own)
         items = nesting.items_of(problem, nested)
         extra = chunk.extra[items.feature]
 

@@ -136,7 +136,7 @@ def enlarge(
     in_degrees = measure.conformal is not None
     if in_degrees:
         share, aspect = on_the_globe(measure.degrees * rows, share)
-    rule = rule_of(selection, places == "Natural", smallest_part / 100.0)
+    rule = rule_of(selection, natural=places == "Natural", smallest=smallest_part / 100.0)
     result = solve(
         rows,
         starts,

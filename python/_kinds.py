@@ -110,7 +110,7 @@ def measure_of(crs: Any) -> Metric:
     degrees = round(math.degrees(axes[0].unit_conversion_factor), 9) if axes else 1.0  # of grads 0.9
     if ellipsoid is None:
         return ellipsoidal(degrees=degrees)
-    return ellipsoidal(ellipsoid.semi_major_metre, ellipsoid.semi_minor_metre, degrees)
+    return ellipsoidal(a=ellipsoid.semi_major_metre, b=ellipsoid.semi_minor_metre, degrees=degrees)
 
 
 def metres_of(crs: Any) -> float:

@@ -1,8 +1,8 @@
 """Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
 
 Lint, the order of imports and the format by ruff, types in core and in the Python package by mypy, and here
-that what is public in core/ and python/ says the types of all it takes and returns. Prints what it checked;
-exits with 1 if there is a fault.
+that what is public in core/ and python/ says the types of all it takes and returns, and takes its options by
+name. Prints what it checked; exits with 1 if there is a fault.
 """
 
 import argparse
@@ -28,6 +28,23 @@ def untyped(source):
     list of str
         Lines like ``12: name``.
     """
+    return public(source, _is_untyped)
+
+
+def by_place(source):
+    """Return those that take more than one option by its place, which no reader of a call can tell apart."""
+    return public(source, lambda node: len(node.args.defaults) > 1)
+
+
+def _is_untyped(node):
+    its = node.args
+    arguments = [*its.posonlyargs, *its.args, *its.kwonlyargs, its.vararg, its.kwarg]
+    missing = any(a and a.annotation is None and a.arg not in ("self", "cls") for a in arguments)
+    return missing or node.returns is None
+
+
+def public(source, is_fault):
+    """Return the public functions and methods of a module that have a fault, in lines like ``12: name``."""
     found = []
 
     def visit(body):
@@ -37,10 +54,7 @@ def untyped(source):
             if isinstance(node, ast.ClassDef):
                 visit(node.body)
                 continue
-            its = node.args
-            arguments = [*its.posonlyargs, *its.args, *its.kwonlyargs, its.vararg, its.kwarg]
-            missing = any(a and a.annotation is None and a.arg not in ("self", "cls") for a in arguments)
-            if missing or node.returns is None:
+            if is_fault(node):
                 found.append(f"{node.lineno}: {node.name}")
 
     visit(ast.parse(source).body)
@@ -49,11 +63,20 @@ def untyped(source):
 
 def annotation_faults(folder):
     """Return what `untyped` finds in the modules that must be typed, as sentences."""
+    return _in_modules(folder, TYPED, untyped, "does not say all its types")
+
+
+def option_faults(folder):
+    """Return what `by_place` finds in the core, as sentences."""
+    return _in_modules(folder, TYPED[:1], by_place, "takes more than one option by its place")
+
+
+def _in_modules(folder, patterns, find, what):
     return [
-        f"{path.relative_to(folder)}:{one} does not say all its types"
-        for pattern in TYPED
+        f"{path.relative_to(folder)}:{one} {what}"
+        for pattern in patterns
         for path in sorted(folder.glob(pattern))
-        for one in untyped(path.read_text(encoding="utf-8"))
+        for one in find(path.read_text(encoding="utf-8"))
     ]
 
 
@@ -91,6 +114,7 @@ def main():
         "format": output(programs, folder, "ruff", "format", "--check", "."),
         "mypy": output(programs, folder, "mypy", "--no-error-summary"),
         "types of what is public": annotation_faults(folder),
+        "options by name": option_faults(folder),
     }
     if (folder / "python").is_dir():
         checks["mypy of the Python package"] = package_faults(programs, folder)

@@ -216,8 +216,8 @@ class _Run:
         theta, absent = thresholds(
             self.classes,
             self.number(tool.THRESHOLD),
-            _rows(source, "THRESHOLDS", ("class", "threshold")),
-            filter(None, (part.strip() for part in text.split(","))),
+            table=_rows(source, "THRESHOLDS", ("class", "threshold")),
+            excluded=filter(None, (part.strip() for part in text.split(","))),
         )
         for one in absent:
             self.feedback.pushInfo(tr("The excluded class {} is not on the map.").format(one))

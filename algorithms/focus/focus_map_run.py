@@ -49,8 +49,8 @@ def _rule(tool, parameters, context):
     """The rule for relevant edges, as `selection.select` takes it."""
     return rule_of(
         tool.parameterAsEnumString(parameters, tool.SELECTION, context),
-        tool.parameterAsEnumString(parameters, tool.PLACES, context) == NATURAL,
-        tool.parameterAsDouble(parameters, tool.SMALLEST_PART, context) / 100.0,
+        natural=tool.parameterAsEnumString(parameters, tool.PLACES, context) == NATURAL,
+        smallest=tool.parameterAsDouble(parameters, tool.SMALLEST_PART, context) / 100.0,
     )
 
 

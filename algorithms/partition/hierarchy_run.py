@@ -39,7 +39,7 @@ def run(tool, parameters, context, feedback):
                     of and np.array([of(feature) for feature in problem.chunk.features], dtype=float)
                     for of in (tau_of, parts_of)
                 )
-                nested = nest(problem, tau, parts, stretch(check, 0.0, 2 / 3))
+                nested = nest(problem, tau, count=parts, check=stretch(check, 0.0, 2 / 3))
                 writer.told.short += without_vertex(problem, nested.selection, nested.tau)
                 writer.write(problem, nested, feedback, stretch(check, 2 / 3, 1.0))
     writer.report(feedback)

@@ -19,7 +19,7 @@ def _chooser(tool, parameters, context, source, feedback):
     def choose(problem, check):
         features = problem.chunk.features
         tau = np.array([tau_of(feature) for feature in features])
-        selection, open_gaps = for_tau(problem, tau, max_gap, check)
+        selection, open_gaps = for_tau(problem, tau, max_gap=max_gap, check=check)
         for f, gap in open_gaps.items():
             feedback.pushWarning(
                 tr(

@@ -111,7 +111,7 @@ def measure_of(crs):
     ellipsoid = QgsEllipsoidUtils.ellipsoidParameters(crs.ellipsoidAcronym())
     if not ellipsoid.valid:
         return metric.ellipsoidal(degrees=degrees)
-    return metric.ellipsoidal(ellipsoid.semiMajor, ellipsoid.semiMinor, degrees)
+    return metric.ellipsoidal(a=ellipsoid.semiMajor, b=ellipsoid.semiMinor, degrees=degrees)
 
 
 def degrees_of(crs):

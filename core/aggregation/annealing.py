@@ -75,6 +75,7 @@ class _Effort(NamedTuple):
 
 def annealing(
     problem: Instance,
+    *,
     seed: int = 0,
     iterations: int | None = None,
     seconds: float | None = None,

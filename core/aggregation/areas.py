@@ -392,11 +392,11 @@ def posed(
         length[~alone],
         padded,
         np.append(theta, np.inf),
-        change,
-        boundary,
-        centre,
-        between_classes,
-        np.where(stay, 0.0, areas.spread),
+        change=change,
+        boundary=boundary,
+        centre=centre,
+        by_class=between_classes,
+        spread=np.where(stay, 0.0, areas.spread),
     )
     size, place = problem.size.sum(), problem.place
     with np.errstate(over="ignore"):

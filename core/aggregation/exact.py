@@ -105,6 +105,7 @@ def require_highs() -> tuple[Callable, Callable, type, ModuleType]:
 
 def exact(
     problem: Instance,
+    *,
     seconds: float = 60.0,
     decompose: bool = True,
     begin: Solution | None = None,
@@ -749,11 +750,11 @@ class _Part:
             self.price / (p.boundary or 1.0),
             p.distance,
             p.theta,
-            p.change,
-            p.boundary,
-            p.centre,
-            p.by_class,
-            p.spread[areas],
+            change=p.change,
+            boundary=p.boundary,
+            centre=p.centre,
+            by_class=p.by_class,
+            spread=p.spread[areas],
         )
         found = greedy(part)
         core = areas[found.core]

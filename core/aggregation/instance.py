@@ -150,6 +150,7 @@ def build(
     length: np.ndarray,
     distance: np.ndarray,
     theta: np.ndarray,
+    *,
     change: float = 1.0,
     boundary: float = 0.0,
     centre: float = 0.0,

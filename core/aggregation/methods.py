@@ -102,6 +102,14 @@ def by_method(
                 found, islands = exact_where_small(problem, found, check)
         return Aggregated(found, None, islands)
     limit, began = seconds or 60.0, perf_counter()
-    begin = annealing(problem, seed, 3000 * len(problem.size), FIRST * limit, check=check)
-    result = exact(problem, max(0.0, limit - (perf_counter() - began)), decompose, begin, check)
+    begin = annealing(
+        problem, seed=seed, iterations=3000 * len(problem.size), seconds=FIRST * limit, check=check
+    )
+    result = exact(
+        problem,
+        seconds=max(0.0, limit - (perf_counter() - began)),
+        decompose=decompose,
+        begin=begin,
+        check=check,
+    )
     return Aggregated(result.found, result)

@@ -29,7 +29,7 @@ def text(value: Any) -> str | None:
 
 
 def thresholds(
-    classes: list[str], least: float, table: Iterable[tuple] = (), excluded: Iterable[str] = ()
+    classes: list[str], least: float, *, table: Iterable[tuple] = (), excluded: Iterable[str] = ()
 ) -> tuple[np.ndarray, list[str]]:
     """Return the smallest size of a region of each class, infinite where it is excluded.
 
@@ -55,7 +55,7 @@ def thresholds(
 
     Examples
     --------
-    >>> theta, absent = thresholds(["311", "312", "511"], 50, [(312, 80)], ["511", "999"])
+    >>> theta, absent = thresholds(["311", "312", "511"], 50, table=[(312, 80)], excluded=["511", "999"])
     >>> theta.tolist(), absent
     ([50.0, 80.0, inf], ['999'])
     """

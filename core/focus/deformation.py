@@ -44,6 +44,7 @@ def relax(
     scale: float,
     fixed: Sequence[tuple[int, np.ndarray, float]],
     check: Callable,
+    *,
     stiff: np.ndarray | None = None,
     guard: float = GUARD,
 ) -> tuple[np.ndarray, float]:

@@ -91,6 +91,7 @@ def enlarge(
     polygons: Sequence[Sequence[int]],
     focus: shapely.Geometry,
     scale: float = 2.0,
+    *,
     edges: np.ndarray | None = None,
     rule: str | Callable = "MinSize",
     tau: float = 2.0,
@@ -617,7 +618,7 @@ def _solved(mesh, coarse, land, solid, asked, check):
         more = (size[axis] - 1.0) * (width - 2.0 * mesh.padded[axis]) / 2.0 - mesh.padded[axis]
         fixed += [(axis, side[2 * axis], -more), (axis, side[2 * axis + 1], more)]
     stiff = np.where(_on_land(land, xy[triangles].mean(axis=1)), LAND, 1.0)
-    moved, reached = relax(xy, triangles, links, group, origin, asked.scale, fixed, check, stiff)
+    moved, reached = relax(xy, triangles, links, group, origin, asked.scale, fixed, check, stiff=stiff)
     if reached < 1.0:
         room = 1.0 + reached * (asked.scale - 1.0)
         tight = Sentence(

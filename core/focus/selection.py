@@ -33,6 +33,7 @@ def min_size(
     offsets: np.ndarray,
     tau: float,
     check: Callable,
+    *,
     natural: bool = False,
     smallest: float = 0.0,
 ) -> np.ndarray:
@@ -78,6 +79,7 @@ def min_length(
     offsets: np.ndarray,
     tau: float,
     check: Callable,
+    *,
     natural: bool = False,
     smallest: float = 0.0,
 ) -> np.ndarray:
@@ -266,7 +268,7 @@ def select(
 def _candidates(coords, offsets):
     """A polygon, and the diagonals of its triangulation."""
     polygon = polygon_stage.one(coords, offsets)
-    triangles, (problem,) = triangulate(polygon)
+    triangles, (problem,), _ = triangulate(polygon)
     if problem:
         raise Unsolvable(problem)
     return polygon, diagonals(polygon, triangles)
@@ -295,7 +297,7 @@ def _asks(check):
     return cancelled
 
 
-def rule_of(name: str, natural: bool = False, smallest: float = 0.0) -> str | Callable:
+def rule_of(name: str, *, natural: bool = False, smallest: float = 0.0) -> str | Callable:
     """Return a rule for `select`: one of `RULES`, for MinSize and MinLength with what may be an edge.
 
     Parameters

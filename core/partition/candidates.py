@@ -17,7 +17,7 @@ from ..rings import groups, shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
 from .natural import natural
 from .polygon import Polygons, select, without_rings
-from .triangulation import diagonals, sides_of, triangulated
+from .triangulation import diagonals, sides_of, triangulate
 
 __all__ = [
     "ACCEPTED",
@@ -220,9 +220,7 @@ def from_triangulation(
     if known:
         triangles, verdict, sides = *known, None
     else:
-        triangles, verdict, sides = triangulated(
-            rest, conformal=measure.conformal, engine=engine, check=check
-        )
+        triangles, verdict, sides = triangulate(rest, conformal=measure.conformal, engine=engine, check=check)
     if (verdict != "").any():
         which = np.flatnonzero(verdict == "")
         corner = corner[take(rest.corner_offsets, which)[0]]

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import Sentence, number_or_none
 from ..metric import Metric
 from ..progress import ignore
-from ..rings import Rings, offsets_of, signed_areas, take
+from ..rings import Rings, groups, offsets_of, signed_areas, take
 from . import solve
 from .candidates import ACCEPTED, CROSSES, LEAVES, OFF_VERTICES, REPEATED, TOUCHES, Lines
 from .min_size import SELF
@@ -327,7 +327,7 @@ def _floors(smallest_part, min_length, min_hole):
 
 
 def for_tau(
-    problem: Problem, tau: np.ndarray, max_gap: float = 0.001, check: Callable = ignore
+    problem: Problem, tau: np.ndarray, *, max_gap: float = 0.001, check: Callable = ignore
 ) -> tuple[Selection, dict[int, float]]:
     """Choose the cuts for a largest detour (MinSize or MinWeight, section 2 of the paper).
 
@@ -489,7 +489,7 @@ def curves(problem: Problem, low: float, high: float, most: int, check: Callable
         mine = solved[prepared.owner[selection.selected]]
         number = np.bincount(of_cut[mine], minlength=count)
         length = np.bincount(of_cut[mine], weights=prepared.chord[selection.selected[mine]], minlength=count)
-        part_polygon = np.repeat(np.arange(len(solved)), np.diff(result.parts.part_offsets))
+        part_polygon = groups(result.parts.part_offsets)
         mine = solved[part_polygon]
         of_part, area = problem.owner[part_polygon[mine]], result.parts.area[mine]
         total, largest = np.bincount(of_part, weights=area, minlength=count), np.zeros(count)

@@ -77,7 +77,7 @@ def places(polygons: Polygons, sides: Sides, position: np.ndarray, measure: Metr
     >>> from isthmus.core.partition.polygon import one
     >>> xy = np.array([[0, 0], [20, 0], [20, 10], [11, 10], [10, 1], [9, 10], [0, 10.0]])
     >>> polygon = one(xy, [0, 7])
-    >>> triangles, _ = triangulate(polygon)
+    >>> triangles, *_ = triangulate(polygon)
     >>> found = places(polygon, sides_of(polygon, triangles), polygon.xy, planar())
     >>> polygon.xy[found.apex], polygon.xy[found.edge], found.share, found.length
     (array([[10.,  1.]]), array([[0., 0.]]), array([0.5]), array([1.]))
@@ -277,7 +277,7 @@ def with_feet(
             kept, _ = take(some.offsets, np.flatnonzero(~own))
             corner, (some, _) = corner[kept], without_rings(some, own)
         own_smallest = smallest[changed]
-        triangles, verdict = triangulate(
+        triangles, verdict, _ = triangulate(
             some, conformal=measure.conformal, engine=engine, check=lambda share: check()
         )
         asked, problem[changed] = changed, verdict

@@ -570,7 +570,7 @@ class _Pass:
         if not len(long):
             return front
         self.trimmed[owner[long >> 1]] = True
-        head = pareto.groups(front, long, allowed[long])
+        head = pareto.point_groups(front, long, allowed[long])
         seg = front.segments()
         if self.lower:
             last = np.append(head[1:], len(seg)) - 1

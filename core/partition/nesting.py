@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import Sentence, number_or_none
 from ..progress import ignore, stretch
-from ..rings import offsets_of, ranges, take
+from ..rings import groups, offsets_of, ranges, take
 from .features import Pieces, Problem, pieces
 from .hierarchy import Hierarchy, Levels, hierarchy, levels
 from .parts import Parts, build_parts, merged_parts
@@ -60,7 +60,7 @@ class Nested(NamedTuple):
 
 
 def nest(
-    problem: Problem, tau: np.ndarray, count: np.ndarray | None = None, check: Callable = ignore
+    problem: Problem, tau: np.ndarray, *, count: np.ndarray | None = None, check: Callable = ignore
 ) -> Nested:
     """Solve a chunk and order its cuts.
 
@@ -134,7 +134,7 @@ def nest(
             float(persistence[own[kept]]) if kept < len(own) else float(tau[f]),
             float(persistence[own[kept - 1]]) if kept else NO_END,
         )
-    part_polygon = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
+    part_polygon = groups(parts.part_offsets)
     return Nested(
         selection=selection,
         parts=parts,
@@ -256,7 +256,7 @@ def items_of(problem: Problem, nested: Nested) -> Items:
     """
     prepared, made, parts = problem.prepared, nested.levels, nested.parts
     count = len(parts.area)
-    of_part = np.repeat(np.arange(len(prepared.polygons.unit)), np.diff(parts.part_offsets))
+    of_part = groups(parts.part_offsets)
     summed = [*parts.area.tolist(), *[0.0] * (len(made.parent) - count)]
     for k, whole_of in enumerate(made.parent.tolist()):  # comes after its pieces
         if whole_of >= 0:

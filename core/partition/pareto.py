@@ -20,10 +20,10 @@ from typing import Callable, Iterator
 
 import numpy as np
 
-from ..rings import offsets_of, ranges, starts
+from ..rings import groups, offsets_of, ranges, starts
 
 __all__ = [
-    "CHUNK", "DENSE", "Front", "Join", "Table", "assemble", "dense_pairs", "first_points", "groups",
+    "CHUNK", "DENSE", "Front", "Join", "Table", "assemble", "dense_pairs", "first_points", "point_groups",
     "pack", "pair_count", "pareto", "products", "sizes", "small_pairs", "strips",
 ]  # fmt: skip
 
@@ -59,7 +59,7 @@ class Front:
 
     def segments(self) -> np.ndarray:
         """Segment of every point."""
-        return np.repeat(np.arange(len(self.ptr) - 1), np.diff(self.ptr))
+        return groups(self.ptr)
 
     def take(self, points: np.ndarray, segments: np.ndarray) -> Front:
         """Sub-front of some points (ascending) that lie in the given segments."""
@@ -472,7 +472,7 @@ def assemble(
     return Front(ptr, weights, values, whole.left[source], whole.right[source], cut)
 
 
-def groups(
+def point_groups(
     front: Front,
     long: np.ndarray,
     allowed: np.ndarray,
@@ -496,7 +496,7 @@ def groups(
     Five offers make three groups; the demand behind them is a group of its own.
 
     >>> front = Front(np.array([0, 5, 6]), np.array([0, 1, 2, 3, 4, 0.0]), np.array([8, 6, 4, 2, 0, -1.0]))
-    >>> groups(front, np.array([0]), np.array([3])).tolist()
+    >>> point_groups(front, np.array([0]), np.array([3])).tolist()
     [0, 2, 4, 5]
     """
     first, last = front.ptr[long], front.ptr[long + 1] - 1

@@ -28,7 +28,6 @@ __all__ = [
     "missing_packages",
     "sides_of",
     "triangulate",
-    "triangulated",
 ]
 
 TOO_FINE = Sentence("the polygon could not be triangulated (too fine for double precision)")
@@ -75,12 +74,14 @@ class Sides(NamedTuple):
 
 
 class Triangulations(NamedTuple):
-    """What `triangulate` returns, and more.
+    """Triangles of polygons.
 
     Attributes
     ----------
     triangles : (t, 3) int
+        Vertices, counter-clockwise; those of a polygon stand together, in the order of the polygons.
     verdict : (p,) object
+        For each polygon '', or why it has no triangles.
     sides : Sides or None
         Those of the triangles, where they are known.
     """
@@ -96,7 +97,7 @@ def triangulate(
     conformal: Callable | None = None,
     engine: str | None = None,
     check: Callable = ignore,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Triangulations:
     """Return constrained Delaunay triangulations.
 
     Parameters
@@ -113,10 +114,7 @@ def triangulate(
 
     Returns
     -------
-    triangles : (t, 3) int
-        Vertices, counter-clockwise; those of a polygon stand together, in the order of the polygons.
-    verdict : (p,) object
-        For each polygon '', or why it has no triangles.
+    Triangulations
 
     Raises
     ------
@@ -133,28 +131,9 @@ def triangulate(
 
     >>> from isthmus.core.partition.polygon import one
     >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
-    >>> triangles, verdict = triangulate(rhombus)
+    >>> triangles, verdict, _ = triangulate(rhombus)
     >>> sorted(np.sort(triangles, axis=1).tolist()), verdict.tolist()
     ([[0, 1, 3], [1, 2, 3]], [''])
-    """
-    return triangulated(polygons, conformal=conformal, engine=engine, check=check)[:2]
-
-
-def triangulated(
-    polygons: Polygons,
-    *,
-    conformal: Callable | None = None,
-    engine: str | None = None,
-    check: Callable = ignore,
-) -> Triangulations:
-    """Do what `triangulate` does, and return what its checks have found out, too.
-
-    Examples
-    --------
-    >>> from isthmus.core.partition.polygon import one
-    >>> rhombus = one(np.array([(0, 0), (3, -1), (6, 0), (3, 1.0)]), [0, 4])
-    >>> int(triangulated(rhombus).sides.boundary.sum())
-    4
     """
     names = engines.engine_names()
     if engine:

@@ -751,14 +751,16 @@ def test_a_null_geometry_in_a_layer_with_heights(qgis_app):
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300])
 def test_an_area_with_coordinates_that_cannot_be_measured(qgis_app, wrong):
-    if wrong == math.inf and Qgis.QGIS_VERSION_INT // 100 == 334:
-        pytest.skip("QGIS 3.34 itself throws at a memory layer with an infinite coordinate")
     ring = QgsLineString([QgsPoint(*p) for p in ((0, 0), (10, 0), (wrong, 10), (0, 10), (0, 0))])
     layer = areas([(box(10, 0), "a"), (box(20, 0), "b"), (box(0, 0), "b")])
     odd = QgsFeature(layer.fields())
     odd.setAttributes(["a", "odd"])
     odd.setGeometry(QgsGeometry(QgsPolygon(ring)))
     assert layer.dataProvider().addFeatures([odd])[0]
+    if wrong == math.inf and Qgis.QGIS_VERSION_INT // 100 == 334:  # QGIS itself throws
+        refused, _, said = aggregate(layer, THRESHOLD=300)
+        assert refused is None and any("cannot read INPUT" in line for line in said)
+        return
     for method in ("greedy", "annealing"):
         results, layers, said = aggregate(layer, THRESHOLD=300, METHOD=method, ITERATIONS=500)
         assert results["SKIPPED_COUNT"] == 1 and math.isfinite(results["TOTAL_COST"])

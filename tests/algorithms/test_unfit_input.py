@@ -1,8 +1,10 @@
 """What does not fit a tool: one sentence that says what it is, of which feature, and what to do."""
 
+import re
+
 import pytest
 from osgeo import ogr, osr
-from qgis.core import QgsProcessingException, QgsProperty, QgsVectorLayer
+from qgis.core import QgsProcessingAlgorithm, QgsProcessingException, QgsProperty, QgsVectorLayer
 
 from .test_partition import DUMBBELL, partition, rows
 
@@ -115,3 +117,22 @@ def test_a_weight_by_a_field_in_another_case(run, layer):
     source = layer("Polygon?crs=EPSG:3857&field=Price:double", [(DUMBBELL, [2.5])])
     results = partition(run, source, OBJECTIVE="MinWeight", WEIGHT="PRICE")
     assert results["COST"] == 2.5 * results["CUT_COUNT"] > 0
+
+
+@pytest.mark.parametrize("tool", ["partition", "tradeoff", "hierarchy", "aggregate", "focusmap"])
+def test_a_layer_that_qgis_cannot_read(run, layer, monkeypatch, tool):
+    """QGIS 3.34 throws at an infinite coordinate, an exception of C++ without a name."""
+
+    def throw(*_):
+        raise Exception("unknown")
+
+    source = layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x"])])
+    monkeypatch.setattr(QgsProcessingAlgorithm, "parameterAsSource", throw)
+    options = {"FOCUS": source, "CLASS": "name", "THRESHOLD": 50, "OUTPUT": "memory:"}
+    with pytest.raises(QgsProcessingException) as refused:
+        run(f"isthmus:{tool}", {"INPUT": source, **options})
+    said = str(refused.value)
+    assert re.search(
+        r"QGIS cannot read (INPUT|FOCUS) \(unknown\): has it a coordinate that is not finite\?", said
+    )
+    assert "Traceback" not in said

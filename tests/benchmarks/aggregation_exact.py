@@ -47,7 +47,7 @@ def main():
             began = process_time()
             second = annealing(problem, seed=1)
             middle = process_time()
-            result = exact(problem, options.seconds, decompose=False, begin=second)
+            result = exact(problem, seconds=options.seconds, decompose=False, begin=second)
             end = process_time()
             best, low = costs(problem, result.found).total, result.bound
             bounds.append(low / best)

@@ -72,7 +72,9 @@ def recorded(seeds, most=395.0):
     group = windows(build(shapes, classes), 4, 325)[3]
     light = {"boundary": NOTES["boundary"] / 4, "centre": NOTES["centre"] / 4}
     problem = by_centroids(build(shapes[group], classes[group]))._replace(**light)
-    found = [costs(problem, annealing(problem, seed, 1_000_000)).total / 1e4 for seed in seeds]
+    found = [
+        costs(problem, annealing(problem, seed=seed, iterations=1_000_000)).total / 1e4 for seed in seeds
+    ]
     print("window 4: " + ", ".join(f"{cost:.2f} ha" for cost in found) + f" (to reach: {most:g})")
     return max(found) <= most
 

@@ -169,7 +169,7 @@ def main():
     )
     runs = (
         ("greedy", lambda: greedy(problem)),
-        (f"annealing, {options.steps} steps", lambda: annealing(problem, 1, options.steps)),
+        (f"annealing, {options.steps} steps", lambda: annealing(problem, seed=1, iterations=options.steps)),
     )
     for name, run in runs:
         began = process_time()

@@ -184,7 +184,7 @@ def rules(asked):
                 check=not asked.unchecked,
                 told=False,
                 tau=tau,
-                rule=rule_of(rule, natural, smallest),
+                rule=rule_of(rule, natural=natural, smallest=smallest),
             )
             if made is None:
                 cells.append("refused")

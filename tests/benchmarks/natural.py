@@ -675,7 +675,7 @@ def measured_time():
 
         polygons, _ = from_rings(one_polygon(ring, [0, len(ring)]))
         lap()
-        triangles, _ = triangulate(polygons, conformal=measure.conformal)
+        triangles, *_ = triangulate(polygons, conformal=measure.conformal)
         lap()
         edges = diagonals(polygons, triangles)
         position = measure.positions(polygons.xy)

@@ -27,7 +27,7 @@ def prepare(rings, smallest, measure=None):
     wanted, attachable = counted(polygons, component, measure.equal_area, smallest)
     free = ~wanted[component]
     rest, vertex = without_rings(polygons, free) if free.any() else (polygons, None)
-    triangles, verdict = triangulate(rest, conformal=measure.conformal)
+    triangles, verdict, _ = triangulate(rest, conformal=measure.conformal)
     assert not any(verdict), verdict
     edges = diagonals(rest, triangles)
     if vertex is not None:

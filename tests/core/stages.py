@@ -21,7 +21,7 @@ def prepared(s, **options):
 
 def diagonals(polygon, conformal=None, engine=None):
     """The diagonals of the triangulation of a polygon."""
-    triangles, (problem,) = triangulation.triangulate(polygon, conformal=conformal, engine=engine)
+    triangles, (problem,), _ = triangulation.triangulate(polygon, conformal=conformal, engine=engine)
     if problem:
         raise Unsolvable(problem)
     return triangulation.diagonals(polygon, triangles)

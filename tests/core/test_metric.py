@@ -6,7 +6,7 @@ import pytest
 from isthmus.core.metric import ellipsoidal, planar
 
 A, B = 6378137.0, 6356752.314245179
-METRIC = ellipsoidal(A, B)
+METRIC = ellipsoidal(a=A, b=B)
 
 
 def vincenty(p, q):
@@ -83,7 +83,7 @@ def test_across_the_antimeridian_and_around_it():
 
 
 def test_grads():
-    xy, measure = np.array([[10, 50], [12, 51.0], [-3, 90]]), ellipsoidal(A, B, 0.9)
+    xy, measure = np.array([[10, 50], [12, 51.0], [-3, 90]]), ellipsoidal(a=A, b=B, degrees=0.9)
     for one, other in ((measure.positions, METRIC.positions), (measure.equal_area, METRIC.equal_area)):
         assert one(xy / 0.9) == pytest.approx(other(xy), rel=1e-12)
     assert 0.9 * measure.conformal(xy[:2] / 0.9) == pytest.approx(METRIC.conformal(xy[:2]), rel=1e-12)
@@ -136,7 +136,7 @@ def test_mercator_is_conformal_and_keeps_the_graticule():
 
 
 def test_sphere():
-    sphere = ellipsoidal(1.0, 1.0)
+    sphere = ellipsoidal(a=1.0, b=1.0)
     quarter = np.array([(0.0, 0.0), (90.0, 0.0)])
     assert sphere.length(sphere.positions(quarter), [0], [1]) == pytest.approx(np.pi / 2)
     assert sphere.equal_area(np.array([(0.0, 30.0)]))[0, 1] == pytest.approx(0.5)

@@ -412,8 +412,9 @@ def _cost(case, out, rows, cls, shapes, sizes, label, core_of, pairs, metre):
         sizes, [number[one] for one in texts], centre, list(pairs) or np.zeros((0, 2)),
         [length * metre for length in pairs.values()],
         [[_distance(distance, a, b, width) for b in classes] for a in classes],
-        [math.inf if one is None else one for one in theta], p["WEIGHT_CHANGE"], p["WEIGHT_BOUNDARY"],
-        p["WEIGHT_CENTRE"], p["BOUNDARY"] == "classes", np.square(spread) * metre**2,
+        [math.inf if one is None else one for one in theta], change=p["WEIGHT_CHANGE"],
+        boundary=p["WEIGHT_BOUNDARY"], centre=p["WEIGHT_CENTRE"], by_class=p["BOUNDARY"] == "classes",
+        spread=np.square(spread) * metre**2,
     )  # fmt: skip
     big = None
     if p["METHOD"] == "exact" and p["DECOMPOSE"]:

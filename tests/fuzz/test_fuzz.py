@@ -19,10 +19,10 @@ SEED = 20160927
 def test_hostile_layers(tools):
     print(f"seed {SEED}")
     counts, failures = Counter(), {}
-    frame.attack(cuts, "partition", SEED, 90, counts, failures)
+    frame.attack(cuts, "partition", SEED, 45, counts, failures)
     print(dict(counts))
     assert not failures
-    assert counts["polygons solved"] > 100
+    assert counts["polygons solved"] > 50
 
 
 def test_every_kind_place_and_mutation(tools):

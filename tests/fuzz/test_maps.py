@@ -16,8 +16,8 @@ import maps  # noqa: E402
 from qgis.core import QgsApplication  # noqa: E402
 
 SEED = 20240607
-CASES = {"prepareaggregation": 60, "aggregate": 80, "focusmap": 70, "prepare_and_aggregate": 12,
-         "partition_and_focus_map": 12}  # fmt: skip
+CASES = {"prepareaggregation": 30, "aggregate": 40, "focusmap": 35, "prepare_and_aggregate": 8,
+         "partition_and_focus_map": 8}  # fmt: skip
 
 
 @pytest.fixture(scope="module", autouse=True)

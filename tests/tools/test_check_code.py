@@ -90,8 +90,18 @@ def test_where_types_are_asked_for(check_code, tmp_path):
     ]
 
 
+def test_options_by_place(check_code):
+    assert check_code.by_place(GOOD) == []
+    one, two = (
+        planted("*, twice: bool = False", f"twice: bool = False{more}") for more in ("", ", k: int = 1")
+    )
+    assert check_code.by_place(one) == [], "what else is there to take it for"
+    (found,) = check_code.by_place(two)
+    assert found.endswith(": steps")
+
+
 def test_this_code(check_code):
-    assert check_code.annotation_faults(ROOT) == []
+    assert check_code.annotation_faults(ROOT) == check_code.option_faults(ROOT) == []
 
 
 FAULTS = {
@@ -104,6 +114,10 @@ FAULTS = {
     "a wrong result": (planted("return Walk(self.place[::-1])", "return 1"), "[return-value]"),
     "a wrong argument": (planted("_count(walk)\n\n", "steps(1)\n\n"), "[arg-type]"),
     "a missing type": (planted(" -> int", ""), "does not say all its types"),
+    "options by place": (
+        planted("*, twice: bool = False", "twice: bool = False, most: int = 1"),
+        "takes more than one option by its place",
+    ),
 }
 
 
@@ -119,4 +133,4 @@ def test_planted_faults(tmp_path, fault):
     command = [sys.executable, ROOT / "tools" / "check_code.py", tmp_path, "--programs", SCANNERS]
     done = subprocess.run(command, capture_output=True, encoding="utf-8")
     assert done.returncode == (fault is not None), done.stdout + done.stderr
-    assert words in done.stdout and (fault or done.stdout.count(": ok") == 4)
+    assert words in done.stdout and (fault or done.stdout.count(": ok") == 5)

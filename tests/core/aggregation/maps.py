@@ -36,9 +36,8 @@ def random_map(seed, n=None, by_class=False, boundary=1.0, centre=0.05, classes=
         rng.random(len(pairs)) * 4 + 1,
         distance,
         theta,
-        1.0,
-        boundary,
-        centre,
-        by_class,
+        boundary=boundary,
+        centre=centre,
+        by_class=by_class,
     )
     return found._replace(spread=rng.random(n) * 9.0)

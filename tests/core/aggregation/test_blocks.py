@@ -16,7 +16,7 @@ from .maps import random_map
 def two_solutions(seed, **options):
     """A map with two solutions that differ in several places."""
     problem = random_map(seed, n=150, **options)._replace(theta=np.full(3, 15.0))
-    return problem, annealing(problem, 1, 3000), annealing(problem, 2, 3000)
+    return problem, annealing(problem, seed=1, iterations=3000), annealing(problem, seed=2, iterations=3000)
 
 
 def mixed(one, other, from_other):

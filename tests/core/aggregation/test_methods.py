@@ -103,7 +103,7 @@ def test_exact_is_the_cheapest_of_all_partitions(seed, by_class):
 def test_what_exact_begins_with_is_kept_where_nothing_cheaper_is_proven(seed, decompose):
     problem = random_map(seed, n=30)
     begin = annealing(problem, iterations=4000)
-    result = exact(problem, 0.0, decompose, begin)
+    result = exact(problem, seconds=0.0, decompose=decompose, begin=begin)
     check(problem, result.found)
     if not (decompose and result.proven):  # the best of the pieces may cost more than what crosses them
         assert costs(problem, result.found).total <= costs(problem, begin).total * (1 + 1e-9)
@@ -163,13 +163,13 @@ def test_the_time_of_exact_is_that_of_its_first_solution_too(monkeypatch):
     problem, took, told = random_map(3, n=30), [], []
 
     def slow(*args, **options):
-        told.append(args[3])
+        told.append(options["seconds"])
         sleep(0.6)
         return annealing(*args, **options)
 
-    def bounded(problem, seconds, *args):
+    def bounded(problem, *, seconds, **options):
         took.append(seconds)
-        return exact(problem, seconds, *args)
+        return exact(problem, seconds=seconds, **options)
 
     monkeypatch.setattr(methods, "annealing", slow)
     monkeypatch.setattr(methods, "exact", bounded)
@@ -492,7 +492,7 @@ def test_greedy_passes_over_no_core_that_is_cheaper(by_class, monkeypatch):
 def test_exact_of_forty_areas_by_columns_and_cuts():
     """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
     problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))
-    begin = annealing(problem, 3, 60_000)
+    begin = annealing(problem, seed=3, iterations=60_000)
     result = exact(problem, seconds=60.0, decompose=False, begin=begin)
     check(problem, result.found)
     assert result.bound <= costs(problem, result.found).total * (1 + 1e-9)

@@ -506,7 +506,7 @@ def test_points_that_are_one_beside_a_wide_map():
 def test_far_from_the_origin_nothing_is_turned_by_rounding():
     """Coordinates as large as 10^6 widths tell points 10^-10 of the width apart, no less."""
     told = 0
-    for seed in range(12):
+    for seed in range(6):
         rows, starts, polygons = rings_of(tour(seed, 40).coords)
         width = np.ptp(rows, axis=0).max()
         rows = rows + 1e6 * width * np.array((0.7, -0.4))
@@ -519,7 +519,7 @@ def test_far_from_the_origin_nothing_is_turned_by_rounding():
         assert faults(result, *with_splits(rows, starts, result)) == []
         carried = Carrier(result.points, result.moved, result.triangles)(rows)
         assert np.abs(carried - result.rows).max() < 1e-8 * width
-    assert told < 12
+    assert told <= 3
 
 
 def test_flat_triangles_carry_nothing():

@@ -351,7 +351,7 @@ def test_a_polygon_does_not_depend_on_its_chunk(seed):
 def test_parts_of_a_chunk_that_fail_leave_the_rest():
     """Polygons whose holes the edges do not join, or whose touching is ambiguous, among good ones."""
     polygons, _ = from_rings(stages.together([shapes.TWO_HOLES, shapes.ANNULUS, shapes.TWO_HOLES]))
-    triangles, problems = triangulation.triangulate(polygons)
+    triangles, problems, _ = triangulation.triangulate(polygons)
     assert not (problems != "").any()
     edges = triangulation.diagonals(polygons, triangles)
     length = planar().length(polygons.xy, *edges.T)

@@ -43,10 +43,10 @@ def test_the_smallest_part_is_a_share_of_the_whole_feature_without_lakes(share, 
 def test_a_polygon_that_cannot_be_triangulated_leaves_the_others_as_they_are(options, monkeypatch):
     """The second of three: the first and the third come out as if they had been alone."""
     tours = [shapes.mosaic(seed, 60) for seed in (1, 2, 3)]
-    triangulated = candidates.triangulated
+    original = candidates.triangulate
 
     def failing(polygons, **more):
-        triangles, verdict, sides = triangulated(polygons, **more)
+        triangles, verdict, sides = original(polygons, **more)
         if len(verdict) == 3:
             verdict[1] = "no triangles"
             triangles, sides = triangles[polygons.polygon_of_vertex[triangles[:, 0]] != 1], None
@@ -54,7 +54,7 @@ def test_a_polygon_that_cannot_be_triangulated_leaves_the_others_as_they_are(opt
 
     two = solve.prepare(_together(tours[0], tours[2]), **options)
     assert two.wanted[two.component].all() == (options.get("min_hole", 0.0) < 1e10)  # no hole is left out
-    monkeypatch.setattr(candidates, "triangulated", failing)
+    monkeypatch.setattr(candidates, "triangulate", failing)
     three = solve.prepare(_together(*tours), **options)
     assert three.verdict.tolist() == ["", "no triangles", ""]
     for name in ("edges", "owner", "chord", "length", "detour", "share", "bounded", "edge_length", "wanted"):

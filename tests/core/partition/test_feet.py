@@ -155,7 +155,7 @@ def test_feet_are_feet(k):
         upright = np.abs(to @ way) <= 1e-9 * np.hypot(*way) * np.hypot(*to.T)
         sees = shapely.covers(room, shapely.linestrings([[v, foot] for v in concave]))
         assert (upright & sees).any()
-    triangles, _ = triangulate(more)
+    triangles, *_ = triangulate(more)
     assert np.array_equal(known, triangles)
     assert not len(places(more, sides_of(more, triangles), more.xy, metric.planar()).edge)
 
@@ -173,7 +173,7 @@ def test_the_triangulation_of_the_last_rounds_is_that_of_the_result():
         polygons, rings, free, np.zeros(len(polygons.unit)), measure=metric.planar()
     )
     assert len(coords)
-    triangles, verdict = triangulate(without_rings(more, free)[0])
+    triangles, verdict, _ = triangulate(without_rings(more, free)[0])
     assert np.array_equal(known, triangles) and (problem == verdict).all()
 
 

@@ -483,7 +483,7 @@ def test_triangles_beside_edges():
     edges = stages.diagonals(polygon)
     from isthmus.core.partition.triangulation import triangulate
 
-    triangles, _ = triangulate(polygon)
+    triangles, *_ = triangulate(polygon)
     beside, across = edges_of_triangles(triangles, edges, len(polygon.xy))
     assert (beside >= 0).all() and (across[-1] == -1).all()
     for (u, v), pair_ in zip(edges.tolist(), beside.tolist()):

@@ -78,7 +78,7 @@ def test_delaunay(name, engine, monkeypatch):
     """
     monkeypatch.setenv("ISTHMUS_ENGINE", engine)
     polygon = from_rings(*CASES[name])
-    found, _ = triangulate(polygon, engine=engine)
+    found, *_ = triangulate(polygon, engine=engine)
     opposite = {}
     for corners in found.tolist():
         for k in range(3):
