@@ -177,7 +177,7 @@ def line_type(wkb_type):
 
 
 def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
-    """Yield polygons of rings of rows.
+    """Return an iterator of polygons of rings of rows.
 
     Parameters
     ----------
@@ -191,12 +191,11 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     multi : bool
         Whether to wrap the polygons as multipolygons.
     """
-    for data in wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi):
-        yield _geometry(data)
+    return map(_geometry, wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi))
 
 
 def line_geometries(coords, rows, extra):
-    """Yield straight lines between rows.
+    """Return an iterator of straight lines between rows.
 
     Parameters
     ----------
@@ -205,8 +204,7 @@ def line_geometries(coords, rows, extra):
     extra : (l,) int
         The `dimensions` of each line.
     """
-    for data in wkb.lines(coords, rows, extra):
-        yield _geometry(data)
+    return map(_geometry, wkb.lines(coords, rows, extra))
 
 
 class Runs:

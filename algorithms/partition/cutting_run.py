@@ -288,4 +288,6 @@ def report_short(feedback, short):
 
 def _or_nulls(values):
     """The values, with NULL for what is not finite."""
+    if np.isfinite(values).all():
+        return values.tolist()
     return [value if math.isfinite(value) else NULL for value in values.tolist()]

@@ -160,15 +160,13 @@ def carve(
     [0, 1, 2, 3, 0, 4, 5, 6, 4]
     """
     corners, count = len(polygons.vertex), len(polygons.polygon_offsets) - 1
-    corner_of = np.zeros(len(polygons.xy), dtype=np.int64)
-    corner_of[polygons.vertex] = np.arange(corners)
-    if len(polygons.offsets) == count + 1:  # no holes
+    if len(polygons.offsets) == count + 1:  # no holes: corners and vertices have the same numbers
         place = np.arange(corners)
-        one, other = corner_of[edges[:, 0]], corner_of[edges[:, 1]]
-        i, j = np.minimum(one, other), np.maximum(one, other)
-        walk = Walk(place, place.copy(), i, j, polygons.corner_offsets)
+        walk = Walk(place, place, np.minimum(*edges.T), np.maximum(*edges.T), polygons.corner_offsets)
         return walk, np.zeros(count, dtype=bool)
 
+    corner_of = np.zeros(len(polygons.xy), dtype=np.int64)
+    corner_of[polygons.vertex] = np.arange(corners)
     in_walk = np.repeat(wanted[component], np.diff(polygons.offsets))
     # half-edges: c leaves corner c; corners + 2 t and + 2 t + 1 are edge t of T, there and back
     after = np.append(polygons.next_corner, np.zeros(2 * len(tree), dtype=np.int64))

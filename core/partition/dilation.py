@@ -195,15 +195,18 @@ def detours(polygons: Polygons, edge_length: np.ndarray, edges: np.ndarray, leng
     """
     vertex, ring = polygons.vertex, polygons.ring_of_corner
     passed, perimeter = running(edge_length, polygons.offsets)
+    u, v = edges.T
+    if polygons.apart:
+        a = ring[u]
+        path = _arc(passed[u], passed[v], perimeter[a])
+        if len(perimeter) > len(polygons.unit):  # with holes
+            path[a != ring[v]] = np.inf
+        return at_least_one(path / length)
     along = np.empty(len(polygons.xy))
     along[vertex] = passed
     ring_of = np.empty(len(polygons.xy), dtype=np.int64)
     ring_of[vertex] = ring
-    u, v = edges.T
     a, b = ring_of[u], ring_of[v]
-    if len(vertex) == len(polygons.xy):
-        path = np.where(a == b, _arc(along[u], along[v], perimeter[a]), np.inf)
-        return at_least_one(path / length)
 
     root, parent, depth, gate, above = _ring_trees(polygons, passed)
     path = np.where(root[a] == root[b], 0.0, np.inf)

@@ -73,9 +73,10 @@ def build_tree(offsets: np.ndarray, i: np.ndarray, j: np.ndarray) -> DualTree:
     array([0, 2, 2, 0, 1, 1, 1])
     """
     k, m, roots = len(i), int(offsets[-1]), len(offsets) - 1
-    preorder = np.argsort(i * m + (m - 1 - j), kind="stable")
-    i, j = i[preorder], j[preorder]
-    opened = np.cumsum(np.bincount(i, minlength=m))
+    preorder, key = None, i * m + (m - 1 - j)
+    if not (key[1:] > key[:-1]).all():  # diagonals of triangulations come sorted
+        preorder = np.argsort(key, kind="stable")
+        i, j = i[preorder], j[preorder]
     closed = np.cumsum(np.bincount(j, minlength=m))
     # of the brackets opened before, those not closed yet are around this one
     depth = np.arange(k) - closed[i]
@@ -88,34 +89,34 @@ def build_tree(offsets: np.ndarray, i: np.ndarray, j: np.ndarray) -> DualTree:
 
     # parent: the bracket opened just before, if that is around it; else that of the bracket before on its
     # own level; or the root edge of the walk
-    parent_of = groups(offsets)[i] if roots > 1 else np.zeros(k, dtype=np.int64)  # by preorder rank
-    inner = level_order[depth_count[0] :] if k else level_order
-    deeper = np.append(False, depth[1:] > depth[:-1])
-    first = np.flatnonzero(deeper[inner])
-    parent_of[inner] = np.repeat(node[inner[first] - 1], np.diff(np.append(first, len(inner))))
-    parent = np.full(roots + k, -1)
-    parent[node] = parent_of
+    top = depth_count[0] if k else 0
+    outer, inner = level_order[:top], level_order[top:]
+    deeper = np.append(False, depth[1:] > depth[:-1])[inner]
+    parent = np.empty(roots + k, dtype=np.int64)
+    parent[:roots] = -1
+    parent[roots : roots + top] = groups(offsets)[i[outer]] if roots > 1 else 0
+    parent[roots + top :] = np.maximum.accumulate(np.where(deeper, node[inner - 1], 0))  # parents ascend
 
     return DualTree(
         parent=parent,
         level_start=np.append(0, roots + np.append(0, np.cumsum(depth_count))),
-        diagonal=preorder[level_order],
-        edge_face=_innermost(offsets, i, j, opened, node, parent_of),
+        diagonal=level_order if preorder is None else preorder[level_order],
+        edge_face=_innermost(offsets, i, j, node, parent[node]),
     )
 
 
-def _innermost(offsets, i, j, opened, node, parent_of):
+def _innermost(offsets, i, j, node, parent_of):
     """Node of the innermost bracket around each step from a place to the next."""
     m, roots = int(offsets[-1]), np.arange(len(offsets) - 1)
     changed = np.zeros(m, dtype=np.int64)
     innermost = np.zeros(m, dtype=np.int64)
     changed[offsets[:-1]] = offsets[:-1]
     innermost[offsets[:-1]] = roots
-    # where brackets close, the parent of the outermost of them remains ...
+    # where brackets close, the parent of the outermost of them remains, the last to be written ...
     innermost[j[::-1]] = parent_of[::-1]
     changed[j] = j
-    # ... unless others open there
-    innermost[i] = node[opened[i] - 1]
+    # ... unless others open there: the innermost of these
+    innermost[i] = node
     changed[i] = i
     innermost = innermost[np.maximum.accumulate(changed)]
     innermost[offsets[1:] - 1] = roots

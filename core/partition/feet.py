@@ -359,13 +359,12 @@ def along_edges(polygons: Polygons, edges: np.ndarray) -> np.ndarray:
 def _edges_of(polygons, a, b):
     """The edges of polygons from vertices to others, by the corners they leave."""
     n, vertex = len(polygons.xy), polygons.vertex
-    if len(vertex) > n:  # rings touch: some vertices have several edges
-        key = vertex * n + vertex[polygons.next_corner]
-        order = np.argsort(key)
-        return order[np.searchsorted(key, a.astype(np.int64) * n + b, sorter=order)]
-    corner = np.empty(n, dtype=np.int64)
-    corner[vertex] = np.arange(n)
-    return corner[a]
+    if polygons.apart:
+        return a.astype(np.int64)
+    # some vertices have several edges
+    key = vertex * n + polygons.next_vertex
+    order = np.argsort(key)
+    return order[np.searchsorted(key, a.astype(np.int64) * n + b, sorter=order)]
 
 
 def _concave(polygons, which):
@@ -375,7 +374,7 @@ def _concave(polygons, which):
     concave[which] = True
     corner = np.flatnonzero(concave[vertex])
     here = xy[vertex[corner]]
-    out_x, out_y = (xy[vertex[polygons.next_corner[corner]]] - here).T
+    out_x, out_y = (xy[polygons.next_vertex[corner]] - here).T
     into_x, into_y = (here - xy[vertex[previous(polygons.offsets)[corner]]]).T
     turns = into_x * out_y - into_y * out_x < -np.tan(CONCAVE) * np.maximum(
         into_x * out_x + into_y * out_y, 0.0

@@ -190,31 +190,35 @@ def _states_by_level(net, tau, check):
     """State of each node, the deepest level first."""
     length, parent = net.length, net.tree.parent
     allowed = tau * length
+    at_most, at_least = allowed * (1.0 + SLACK), length * (1.0 - SLACK)
     levels = _levels(net.tree)
     total = net.base.copy()  # F
-    best = np.full(len(length), -np.inf)  # max of R(x) + b(x)
     leaf = np.empty(len(length), dtype=bool)
-    value = np.empty(len(length))  # L or R
-    serves = np.empty(len(length), dtype=bool)
+    value = allowed.copy()  # R; L is F
+    serves = np.zeros(len(length), dtype=bool)
+    # nodes with children in state ROOT, and of each the maximum of R(x) + b(x)
+    asked, best = np.empty(0, dtype=np.int64), np.empty(0)
     for d in range(len(levels) - 1, -1, -1):
         if d % 64 == 0:
             check(1.0 - d / len(levels))
         e = levels[d]
-        spare = best[e] - total[e]
-        serves[e] = spare >= length[e] * (1.0 - SLACK)
-        leaf[e] = ~serves[e] & (total[e] <= allowed[e] * (1.0 + SLACK))
-        value[e] = np.where(leaf[e], total[e], np.where(serves[e], np.minimum(allowed[e], spare), allowed[e]))
+        is_leaf = np.less_equal(total[e], at_most[e], out=leaf[e])
+        if len(asked):  # few are
+            spare = best - total[asked]
+            able = spare >= at_least[asked]
+            asked, spare = asked[able], spare[able]
+            serves[asked], leaf[asked] = True, False
+            value[asked] = np.minimum(allowed[asked], spare)
         if d:
             up = levels[d - 1]
-            relative = parent[e] - up.start
-            offer = np.where(leaf[e], value[e], length[e])
-            total[up] += np.bincount(relative, weights=offer, minlength=up.stop - up.start)
-            asking = np.flatnonzero(~leaf[e])
-            if len(asking):  # few do
-                of, demand = relative[asking], value[e][asking] + offer[asking]
+            offer = np.where(is_leaf, total[e], length[e])
+            total[up] += np.bincount(parent[e] - up.start, weights=offer, minlength=up.stop - up.start)
+            asked, best = np.flatnonzero(~is_leaf) + e.start, np.empty(0)
+            if len(asked):
+                of, demand = parent[asked], value[asked] + length[asked]
                 first = starts(of)
-                best[up][of[first]] = np.maximum.reduceat(demand, first)
-    return leaf, value, serves
+                asked, best = of[first], np.maximum.reduceat(demand, first)
+    return leaf, np.where(leaf, total, value), serves
 
 
 def _states_by_node(net, tau, check):
@@ -254,7 +258,8 @@ def _served(net, leaf, value, serves):
     """The child in state ROOT that each serving node serves: the first with the most to spare."""
     parent = net.tree.parent
     roots = net.tree.roots
-    asking = np.flatnonzero(~leaf[roots:] & serves[parent[roots:]]) + roots
+    asking = np.flatnonzero(~leaf[roots:]) + roots
+    asking = asking[serves[parent[asking]]]
     if not len(asking):
         return asking
     demand = value[asking] + net.length[asking]
@@ -275,14 +280,14 @@ def _sides_by_level(net, cut, check):
         e, up = levels[d], levels[d - 1]
         offer = _way(cut, e, length[e], below[e])
         below[up] += np.bincount(parent[e] - up.start, weights=offer, minlength=up.stop - up.start)
-    offer = _way(cut, slice(None), length, below)
-    above = np.full(len(length), np.inf)
+    # the way around below the parent, without the node's own; to come is the way above it
+    above = below[parent] - _way(cut, slice(None), length, below)
+    above[: net.tree.roots] = np.inf
     for d in range(1, len(levels)):
         if d % 64 == 0:
             check()
-        e = levels[d]
-        up = parent[e]
-        above[e] = below[up] - offer[e] + _way(cut, up, length[up], above[up])
+        e, up = levels[d], levels[d - 1]
+        above[e] += _way(cut, up, length[up], above[up])[parent[e] - up.start]
     return below, above
 
 

@@ -175,8 +175,8 @@ def build_parts(
     owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
     free, target = _free_holes(polygons, walk, faces.polygon, owner, corners, offsets)
     owner, corners, offsets = _with_holes(polygons, owner, corners, offsets, free, target)
-    xy = equal_area(polygons.xy)
-    area = np.bincount(owner, weights=signed_areas(xy[polygons.vertex[corners]], offsets), minlength=count)
+    plane = equal_area(polygons.corner_xy).take(corners, axis=0)
+    area = np.bincount(owner, weights=signed_areas(plane, offsets), minlength=count)
     area = np.maximum(area, 0.0)  # a sliver may turn over in the equal-area map
     polygon = faces.polygon
     order = np.lexsort((np.arange(count), -area, polygon))
@@ -308,19 +308,20 @@ def merged_parts(
 
 def _rings(polygons, walk, bounds, place, edge):
     """Rings of corners: the face of each, all corners, and where each ring starts."""
-    if len(polygons.vertex) == len(polygons.xy) and not (walk.edge < 0).any():
+    if polygons.apart and not (walk.edge < 0).any():
         owner, index, offsets = np.arange(len(bounds) - 1), slice(None), bounds
     else:
         index, offsets, owner = cycles(polygons.vertex[walk.corner[place]], bounds)
     edge, place = edge[index], place[index]
     # half-edges become the corners where they start
-    corner, before = edge.copy(), edge[previous(offsets)]
-    cut = np.flatnonzero(edge < 0)
-    after = polygons.next_corner[np.maximum(before[cut], 0)]
-    corner[cut] = np.where(before[cut] >= 0, after, walk.corner[place[cut]])
+    corner, before, cut = edge.copy(), previous(offsets), np.flatnonzero(edge < 0)
+    edge_before = edge[before[cut]]
+    after = polygons.next_corner[np.maximum(edge_before, 0)]
+    corner[cut] = np.where(edge_before >= 0, after, walk.corner[place[cut]])
     if not polygons.inserted.any():
         return owner, corner, offsets
     # an inserted corner was only needed to walk; along its edge nobody shall see it
+    before = edge[before]
     after = polygons.next_corner[np.maximum(before, 0)]
     needless = polygons.inserted[corner] & (edge >= 0) & (before >= 0) & (after == edge)
     kept = np.add.reduceat((~needless).astype(np.int64), offsets[:-1])
@@ -330,6 +331,8 @@ def _rings(polygons, walk, bounds, place, edge):
 def _free_holes(polygons, walk, polygon_of, owner, corners, offsets):
     """The rings that the walks leave out, and the face that contains each."""
     walked = np.zeros(len(polygons.offsets) - 1, dtype=bool)
+    if len(walked) == len(polygons.unit):  # no holes
+        return np.empty((2, 0), dtype=np.int64)
     walked[polygons.ring_of_corner[walk.corner]] = True
     free = np.flatnonzero(~walked)
     if not len(free):
@@ -337,7 +340,7 @@ def _free_holes(polygons, walk, polygon_of, owner, corners, offsets):
     ring_polygon = polygon_of[owner]
     by_polygon = np.argsort(ring_polygon, kind="stable")
     bounds = np.searchsorted(ring_polygon[by_polygon], np.arange(len(polygons.unit) + 1))
-    points = polygons.xy[polygons.vertex]
+    points = polygons.corner_xy
     free_polygon = polygons.polygon_of_ring[free]
     target = np.empty(len(free), dtype=np.int64)
     for holes in np.split(np.arange(len(free)), np.flatnonzero(np.diff(free_polygon)) + 1):
@@ -397,13 +400,13 @@ def _rows(polygons, owner, corners, offsets, count, polygon):
     if turned.any():
         size = np.diff(offsets)
         back = np.repeat(offsets[1:] + offsets[:-1] - 1, size) - np.arange(len(rows))
-        rows = rows[np.where(np.repeat(turned, size), back, np.arange(len(rows)))]
+        rows = rows[back if turned.all() else np.where(np.repeat(turned, size), back, np.arange(len(rows)))]
     return rows, offsets, offsets_of(np.bincount(owner, minlength=count))
 
 
 def _shells_first(polygons, owner, corners, offsets, rings):
     """Order of the rings of parts with holes: by part, its only counter-clockwise ring first."""
-    points = polygons.xy[polygons.vertex]
+    points = polygons.corner_xy
     index, own = take(offsets, rings)
     ccw = shapely.is_ccw(shapely.linearrings(points[corners[index]], indices=groups(own)))
     return np.lexsort((rings, ~ccw, owner[rings]))

@@ -74,9 +74,24 @@ class Polygons(_Arrays):  # with a __dict__, for what every stage asks for again
         return following(self.offsets)
 
     @cached_property
+    def next_vertex(self) -> np.ndarray:
+        """(c,) int: the vertex at the corner after each corner on its ring."""
+        return self.next_corner if self.apart else self.vertex[self.next_corner]
+
+    @property
+    def corner_xy(self) -> np.ndarray:
+        """(c, 2) float: where each corner is."""
+        return self.xy if self.apart else self.xy[self.vertex]
+
+    @cached_property
     def ring_of_corner(self) -> np.ndarray:
         """(c,) int: the ring of each corner."""
         return groups(self.offsets)
+
+    @property
+    def apart(self) -> bool:
+        """Whether no rings touch: then the vertex at each corner is that of its number."""
+        return len(self.vertex) == len(self.xy)
 
     @property
     def polygon_of_ring(self) -> np.ndarray:
@@ -92,16 +107,26 @@ class Polygons(_Arrays):  # with a __dict__, for what every stage asks for again
     def polygon_of_vertex(self) -> np.ndarray:
         """(n,) int: the polygon of each vertex."""
         of_corner = groups(self.corner_offsets)
-        if len(self.vertex) == len(self.xy):
+        if self.apart:
             return of_corner
         polygon = np.empty(len(self.xy), dtype=np.int64)
         polygon[self.vertex] = of_corner
         return polygon
 
+    @property
+    def row_of_vertex(self) -> np.ndarray:
+        """(n,) int: an input row at each vertex."""
+        rows = self.rows if len(self.rows) == len(self.vertex) else self.rows[self.row_start[:-1]]
+        if self.apart:
+            return rows
+        of_vertex = np.empty(len(self.xy), dtype=np.int64)
+        of_vertex[self.vertex] = rows
+        return of_vertex
+
     @cached_property
     def vertex_offsets(self) -> np.ndarray:
         """(p + 1,) int: where the vertices of each polygon start."""
-        if len(self.vertex) == len(self.xy):
+        if self.apart:
             return self.corner_offsets
         return offsets_of(np.bincount(self.polygon_of_vertex, minlength=len(self.unit)))
 
@@ -154,11 +179,11 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
 
     # corners: rows that differ from the one before on their ring
     is_start = np.ones(len(xy), dtype=bool)
-    x, y = xy.T
-    is_start[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1])
+    points = np.ascontiguousarray(xy).view(np.complex128).ravel()  # numpy takes its time for rows of two
+    is_start[1:] = points[1:] != points[:-1]
     some = np.flatnonzero(size)
     first, last = offsets[:-1][some], offsets[1:][some] - 1
-    is_start[first] = (xy[first] != xy[last]).any(axis=1)
+    is_start[first] = points[first] != points[last]
     corner_count = np.zeros(len(size), dtype=np.int64)
     corner_count[some] = np.add.reduceat(is_start, first) if len(some) else 0
     thin = np.zeros(count, dtype=bool)
@@ -169,7 +194,11 @@ def from_rings(rings: Rings) -> tuple[Polygons, np.ndarray]:
     kept = good[ring_polygon]  # rings
     starts = np.flatnonzero(is_start if good.all() else is_start & good[row_polygon])
     corner_offsets = offsets_of(corner_count[kept])
-    shape = shapes(xy.take(starts, axis=0), corner_offsets, offsets_of(np.diff(polygon_offsets)[good]))
+    shape = shapes(
+        xy if len(starts) == len(xy) else xy.take(starts, axis=0),
+        corner_offsets,
+        offsets_of(np.diff(polygon_offsets)[good]),
+    )
     valid = is_valid(shape)
     if not valid.all():
         number = np.flatnonzero(good)
@@ -286,7 +315,7 @@ def boundary_components(polygons: Polygons) -> np.ndarray:
     array([0, 1, 1])
     """
     number = np.arange(len(polygons.offsets) - 1)
-    if len(polygons.vertex) == len(polygons.xy):
+    if polygons.apart:
         return number
     passes = np.bincount(polygons.vertex, minlength=len(polygons.xy))
     shared = np.flatnonzero(passes[polygons.vertex] > 1)
@@ -358,9 +387,8 @@ def _scaled(xy, offsets):
     unit, largest, lost = np.ones(count), np.zeros(count), np.zeros(count, dtype=bool)
     some = np.flatnonzero(np.diff(offsets))
     if len(some):
-        # ufunc.max(axis=1) takes ten times longer
-        of_axes = np.maximum.reduceat(np.abs(xy), offsets[some], axis=0)
-        largest[some] = of_axes.max(axis=1)
+        # along an axis numpy takes much longer
+        largest[some] = np.maximum.reduceat(np.abs(xy).ravel(), 2 * offsets[some])
     extreme = np.flatnonzero(((largest <= 1e-50) & (largest > 0.0)) | (largest >= 1e50))
     for p in extreme.tolist():
         exponent = int(np.frexp(largest[p])[1])
@@ -393,7 +421,7 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         )
     # the corner with the smallest x, of these the smallest y; rings are simple, so there is one
     first, end = corner_offsets[:-1], corner_offsets[1:]
-    corner_xy = xy.take(starts, axis=0)
+    corner_xy = xy if len(starts) == len(xy) else xy.take(starts, axis=0)
     x = corner_xy[:, 0]
     leftmost = np.flatnonzero(x == spread(np.minimum.reduceat(x, first), corner_offsets))
     own = np.searchsorted(leftmost, first)
@@ -423,8 +451,11 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
     ):
         past = np.flatnonzero(past)
         rows[past] += back[np.searchsorted(row_offsets, past, side="right") - 1]
-    begins = is_start[rows]
-    if backwards.any():  # a corner begins at its last row: the one before the next corner's first
+    whole = len(starts) == len(xy)  # every row is a corner
+    begins = is_start if whole else is_start[rows]
+    if (
+        backwards.any() and not whole
+    ):  # a corner begins at its last row: the one before the next corner's first
         is_last = np.empty_like(is_start)
         is_last[:-1] = is_start[1:]
         is_last[lo + size - 1] = is_start[lo]

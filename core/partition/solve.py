@@ -111,9 +111,7 @@ class Prepared(NamedTuple):
     @property
     def edge_rows(self) -> np.ndarray:
         """(k, 2) int: input rows at the ends of the edges."""
-        row = np.empty(len(self.polygons.xy), dtype=np.int64)
-        row[self.polygons.vertex] = self.polygons.rows[self.polygons.row_start[:-1]]
-        return row[self.edges]
+        return self.polygons.row_of_vertex[self.edges]
 
     @property
     def with_holes(self) -> np.ndarray:
@@ -143,7 +141,7 @@ class Carved(NamedTuple):
     @property
     def node_edge(self) -> np.ndarray:
         """(f,) int: the edge of each node but the roots."""
-        return self.free[self.net.tree.diagonal]
+        return self.free[self.net.tree.diagonal] if len(self.tree) else self.net.tree.diagonal
 
 
 class _Selected(NamedTuple):
@@ -629,10 +627,12 @@ def without_vertex(prepared: Prepared, selection: Selection, tau: np.ndarray) ->
     roots = len(polygons.unit)
     if short is None or not len(short.edge):
         return np.zeros(roots, dtype=np.int64)
-    place = np.empty(len(polygons.vertex), dtype=np.int64)
-    on_edge = np.flatnonzero(walk.edge >= 0)
-    place[walk.edge[on_edge]] = on_edge
-    edge, faces = place[short.edge], selection.faces
+    edge, faces = short.edge, selection.faces
+    if len(polygons.offsets) > roots + 1:  # with holes: the walk goes another way than the corners
+        place = np.empty(len(polygons.vertex), dtype=np.int64)
+        on_edge = np.flatnonzero(walk.edge >= 0)
+        place[walk.edge[on_edge]] = on_edge
+        edge = place[edge]
     # the half-edges along each face with such a place: the walk's own, and both sides of the cuts
     found, own = np.unique(faces.face[edge], return_inverse=True)
     index, offsets = take(offsets_of(np.bincount(faces.face)), found)
@@ -843,7 +843,7 @@ def _measured(found, verdict, limits, measure):
     owner = polygons.polygon_of_vertex[edges[:, 0]]
     position = measure.positions(polygons.xy)
     chord = measure.length(position, edges[:, 0], edges[:, 1]) * polygons.unit[owner]
-    edge_length = measure.length(position, polygons.vertex, polygons.vertex[polygons.next_corner])
+    edge_length = measure.length(position, polygons.vertex, polygons.next_vertex)
     edge_length = edge_length * spread(polygons.unit, polygons.corner_offsets)
     if found.outline is not None:
         edge_length = np.where(np.isnan(found.outline), edge_length, found.outline)
@@ -974,8 +974,10 @@ def _carve(prepared, tree):
     walk, ambiguous = carve(polygons, prepared.component, edges, tree, prepared.wanted)
     if ambiguous.any():
         return None, ambiguous
-    free = np.flatnonzero(~_mask(tree, len(edges)))
-    i, j, own = (walk.i, walk.j, length) if not len(tree) else (walk.i[free], walk.j[free], length[free])
+    free, i, j, own = np.arange(len(edges)), walk.i, walk.j, length
+    if len(tree):
+        free = np.flatnonzero(~_mask(tree, len(edges)))
+        i, j, own = i[free], j[free], own[free]
     net = network(build_tree(walk.offsets, i, j), walk.offsets, _steps(prepared, walk.edge, tree), own)
     return Carved(tree, free, walk, net), ambiguous
 
@@ -1065,13 +1067,12 @@ def _witnesses(prepared, carved, selected, check):
 def _largest_dilation(prepared, selected, bound, check):
     """Largest dilation of a candidate, given upper bounds: those in the carved polygon."""
     largest = np.ones(len(prepared.polygons.unit))
-    exact = np.flatnonzero(~prepared.with_holes[prepared.owner])  # what is not bounded is in T
-    if len(exact):
-        owner = prepared.owner[exact]
-        first = np.flatnonzero(np.diff(owner, prepend=-1))
-        largest[owner[first]] = np.maximum.reduceat(bound[exact], first)
-    some = np.flatnonzero(prepared.bounded & prepared.with_holes[prepared.owner])
-    if len(some):
+    first = np.flatnonzero(np.diff(prepared.owner, prepend=-1))
+    if len(first):  # exact without holes; what is not bounded is in T
+        largest[prepared.owner[first]] = np.maximum.reduceat(bound, first)
+    if prepared.with_holes.any():
+        largest[prepared.with_holes] = 1.0
+        some = np.flatnonzero(prepared.bounded & prepared.with_holes[prepared.owner])
         found = largest_dilation(
             _graph(prepared, selected),
             prepared.edges[some],

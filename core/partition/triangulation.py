@@ -66,11 +66,15 @@ class Sides(NamedTuple):
         Vertices at the ends.
     boundary : (3 t,) bool
         Whether it is an edge of a polygon.
+    inner : (m,) int
+        The sides that are none and run upwards: each inner edge borders two triangles, and is one of these
+        in one of them.
     """
 
     tail: np.ndarray
     head: np.ndarray
     boundary: np.ndarray
+    inner: np.ndarray
 
 
 class Triangulations(NamedTuple):
@@ -201,10 +205,8 @@ def diagonals(polygons: Polygons, triangles: np.ndarray, sides: Sides | None = N
     [[1, 3]]
     """
     n = len(polygons.xy)
-    a, b, boundary = sides or sides_of(polygons, triangles)
-    # an inner edge borders two triangles, and runs upwards in one of them
-    inner = np.flatnonzero((a < b) & ~boundary)
-    a, b = a[inner].astype(np.int64), b[inner].astype(np.int64)
+    sides = sides or sides_of(polygons, triangles)
+    a, b = (ends.take(sides.inner).astype(np.int64) for ends in (sides.tail, sides.head))
     key = np.sort(a * n + (n - 1 - b))
     a = key // n
     return np.column_stack((a, n - 1 - (key - a * n)))
@@ -240,7 +242,7 @@ def _by_engine(name, polygons, plane, which, check):
     """Triangles of polygons in a plane, by an engine, and where those of each start; none where it fails."""
     vertex, vertex_offsets = take(polygons.vertex_offsets, which)
     corner, corner_offsets = take(polygons.corner_offsets, which)
-    ends = np.column_stack([polygons.vertex.take(c) for c in (corner, polygons.next_corner.take(corner))])
+    ends = np.column_stack([vertices.take(corner) for vertices in (polygons.vertex, polygons.next_vertex)])
     if len(vertex) < len(plane):
         number = np.empty(len(plane), dtype=np.int64)
         number[vertex] = np.arange(len(vertex))
@@ -278,16 +280,18 @@ def sides_of(polygons: Polygons, triangles: np.ndarray) -> Sides:
     """
     n = len(polygons.xy)
     a, b = triangles.ravel(), triangles.take([1, 2, 0], axis=1).ravel()
-    vertex, after = polygons.vertex, polygons.vertex[polygons.next_corner]
-    next_vertex = np.full(n, -1, dtype=a.dtype)
-    next_vertex[vertex] = after
+    vertex, after = polygons.vertex, polygons.next_vertex
+    next_vertex = after.astype(a.dtype)
+    if not polygons.apart:
+        next_vertex = np.full(n, -1, dtype=a.dtype)
+        next_vertex[vertex] = after
     boundary = next_vertex[a] == b
-    if len(vertex) > n:  # rings touch: some vertices have several ring edges
+    if not polygons.apart:  # some vertices have several ring edges
         several = np.bincount(vertex, minlength=n) > 1
         k = np.flatnonzero(several[a] & ~boundary)
         mine = several[vertex]
         boundary[k] = np.isin(a[k].astype(np.int64) * n + b[k], vertex[mine] * n + after[mine])
-    return Sides(a, b, boundary)
+    return Sides(a, b, boundary, np.flatnonzero((a < b) & ~boundary))
 
 
 def _are_triangulations(polygons, which, triangles, offsets):
@@ -308,9 +312,8 @@ def _are_triangulations(polygons, which, triangles, offsets):
             good &= ~outside
             triangles = np.where(np.repeat(outside, size)[:, None], 0, triangles)
     sides = sides_of(polygons, triangles)
-    a, b, boundary = sides
-    good &= _numbers_of(boundary, bounds) == corners
-    inner = _numbers_of((a < b) & ~boundary, bounds)
+    good &= _numbers_of(sides.boundary, bounds) == corners
+    inner = np.diff(np.searchsorted(sides.inner, bounds))
     return good & (2 * inner + corners == 3 * size), sides
 
 
