@@ -678,7 +678,8 @@ class _Out:
     ) -> None:
         """Add cuts or diagonals."""
         chunk = problem.chunk
-        made = _geometry.lines(chunk.rings.coords, problem.prepared.edge_rows[edges], chunk.extra[feature])
+        rows, offsets = problem.prepared.way_rows(edges)
+        made = _geometry.lines(chunk.rings.coords, rows, chunk.extra[feature], offsets)
         self.layers[name].append((chunk.features[feature], made, fields))
 
     def results(self, settings: _Settings, names: Sequence[str]) -> Parts:

@@ -195,17 +195,19 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
         yield _geometry(data)
 
 
-def line_geometries(coords, rows, extra):
-    """Yield straight lines between rows.
+def line_geometries(coords, rows, extra, offsets=None):
+    """Yield lines along rows; see ``core.wkb.lines``.
 
     Parameters
     ----------
     coords : (k, d) float
-    rows : (l, 2) int
+    rows : (l, 2) int, or (r,) int
     extra : (l,) int
         The `dimensions` of each line.
+    offsets : (l + 1,) int, optional
+        Where the rows of each line begin, if not all have two.
     """
-    for data in wkb.lines(coords, rows, extra):
+    for data in wkb.lines(coords, rows, extra, offsets):
         yield _geometry(data)
 
 

@@ -13,6 +13,8 @@ for each. This stage chooses that set by what research on perception found, at o
 * **A corner is used once.** Short and sharp cuts come first, as in the models of Luo et al. 2015
   and of Papanelopoulos and Avrithis 2015 (BMVC); what is left of the outline must still be concave
   for another cut. So a body is not cut across from the foot of one limb to that of another.
+* **Islands close a bay** where they fill half of the way across (`gates.gates`). These ways come last, so
+  that they change nothing for the diagonals; the minima rule and the smallest part hold for them, too.
 * **A body is not halved** at a shallow corner. A wide cut that leaves a third of the area or more on
   both sides parts no limb from a body, so the outline must open up beside it much more than beside a
   limb's base. Else the cut is no smooth going on of the outline (good continuation: Kellman and
@@ -29,8 +31,10 @@ from math import atan2, degrees, dist, hypot
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from ..metric import Metric
+from ..predicates import crossing
 from ..rings import following, groups, locate, offsets_of, previous, ranges, running, take
 from .polygon import Polygons
 
@@ -46,6 +50,7 @@ __all__ = [
     "RULES",
     "USED",
     "WIDER",
+    "Ways",
     "bends",
     "edges_of_triangles",
     "generalised",
@@ -89,6 +94,8 @@ class Natural(NamedTuple):
         EVEN (width beside it, or beside the piece that it would halve), USED (its corners, by shorter cuts).
     outline : Outline
         The finest one.
+    way, way_share : (g,) bool, (g,) float
+        For each of the ways over islands ``kept`` and ``share``.
     """
 
     kept: np.ndarray
@@ -96,6 +103,34 @@ class Natural(NamedTuple):
     share: np.ndarray
     why: np.ndarray
     outline: Outline
+    way: np.ndarray
+    way_share: np.ndarray
+
+
+class Ways(NamedTuple):
+    """Ways over islands that are no rings of the polygons (`gates.gates`).
+
+    Attributes
+    ----------
+    ends : (g, 2) int
+        The vertices where they begin and end.
+    xy : (2 w, 2) float
+        The ends of the stretches of water of all ways, one after the other.
+    island : (2 w,) int
+        The island of each of these, -1 at the ends of ways.
+    offsets : (g + 1,) int
+        Where those of each way start.
+    """
+
+    ends: np.ndarray
+    xy: np.ndarray
+    island: np.ndarray
+    offsets: np.ndarray
+
+    @property
+    def toward(self) -> np.ndarray:
+        """(g, 2, 2) float: where the ways first land, from either end."""
+        return np.stack((self.xy[self.offsets[:-1] + 1], self.xy[self.offsets[1:] - 2]), axis=1)
 
 
 class Outline(NamedTuple):
@@ -140,6 +175,7 @@ def natural(
     position: np.ndarray,
     measure: Metric,
     smallest: np.ndarray,
+    ways: Ways | None = None,
 ) -> Natural:
     """Choose the diagonals of polygons where people would cut.
 
@@ -156,6 +192,8 @@ def natural(
     smallest : (p,) float
         Area of the smallest part of each polygon, in the units of ``measure.equal_area`` of
         ``polygons.xy``; lengths in the result are those of ``position``: neither knows ``unit``.
+    ways : Ways, optional
+        Ways over islands, which are asked after all diagonals.
 
     Returns
     -------
@@ -183,12 +221,13 @@ def natural(
     smallest = np.broadcast_to(np.asarray(smallest, dtype=float), len(polygon_offsets) - 1)
     corner = _corners(polygons, edges)
     plane = measure.equal_area(polygons.xy)[vertex]
-    first = np.repeat(offsets[polygon_offsets[:-1]], np.diff(offsets[polygon_offsets]))
-    plane -= plane[first]  # near its origin, terms of areas cancel least
+    origin = plane[offsets[polygon_offsets[:-1]]]
+    plane -= np.repeat(origin, np.diff(offsets[polygon_offsets]), axis=0)  # there terms of areas cancel least
     edge_length = measure.length(position, vertex, vertex[polygons.next_corner])
     terms = _terms(plane, offsets)
 
-    share, area = _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner)
+    area = terms[1][polygon_offsets[:-1]]
+    share = _shares(_term(*plane[corner.T]), terms, area, polygons, corner)
     outline, measured = _outlines(
         plane, position[vertex], offsets, edge_length, DETAIL * smallest[polygon_of_ring]
     )
@@ -226,33 +265,85 @@ def natural(
     first = np.round(np.log(length[left] / np.sqrt(bend[left])), 9)
     order = left[np.lexsort((left, -np.round(share[large[left]], 9), first))]
     halves = (share[large] > HALF) & (length > NARROW * np.sqrt(area[polygon[large]]))
-    verdict[order] = one_by_one(
-        polygons, outline, corner[order], length[order], halves[order], plane, terms, area, smallest
-    )
+    edges, corner, length, halves = (x[order] for x in (edges, corner, length, halves))
+    chord, turn = _term(*plane[corner.T]), _turns(polygons, corner, polygons.xy[edges[:, ::-1]])
+    diagonals, barred = len(order), {}
+    way, way_share = np.zeros((2, 0))
+    if ways is not None and len(ways.ends):
+        its_corner, whole, water, term = _measured(polygons, ways, measure, origin)
+        its_turn = _turns(polygons, its_corner, ways.toward)
+        way_share = _shares(term, terms, area, polygons, its_corner)
+        bend = bends(outline, ring, its_corner, whole).sum(axis=1)
+        first = np.round(np.log(water / np.sqrt(np.maximum(bend, LEFT))), 9)
+        asked = np.lexsort((np.arange(len(first)), -np.round(way_share, 9), first))
+        asked = asked[bend[asked] >= BENT]
+        barred = _barred(polygons, ways, edges, asked)
+        corner, length = np.concatenate((corner, its_corner[asked])), np.append(length, whole[asked])
+        halves = np.append(halves, np.zeros(len(asked), dtype=bool))
+        chord, turn = np.append(chord, term[asked]), np.concatenate((turn, its_turn[asked]))
+    found = one_by_one(polygons, outline, corner, length, halves, chord, turn, terms, area, smallest, barred)
+    verdict[order] = found[:diagonals]
+    way = np.zeros(len(way_share), dtype=bool)
+    if len(way):
+        way[asked] = found[diagonals:] == KEPT
     why[large] = verdict
-    return Natural(why == KEPT, measured, share, why, outline)
+    return Natural(why == KEPT, measured, share, why, outline, way, way_share)
+
+
+def _measured(polygons, ways, measure, origin):
+    """Of ways over islands: corners at the ends, lengths, those of their water, and shoelace terms."""
+    corner = _corners(polygons, ways.ends, ways.toward)
+    polygon = polygons.polygon_of_ring[polygons.ring_of_corner[corner[:, 0]]]
+    start = ways.offsets[:-1]
+    here = np.arange(len(ways.xy) - 1)
+    step = measure.length(measure.positions(ways.xy), here, here + 1)
+    plane = measure.equal_area(ways.xy) - origin[polygon][groups(ways.offsets)]
+    term = _term(plane[:-1], plane[1:])
+    step[start[1:] - 1] = term[start[1:] - 1] = 0.0  # from one way to the next
+    whole, water = np.add.reduceat(step, start), np.add.reduceat(step[::2], start // 2)
+    return corner, whole, water, np.add.reduceat(term, start)
+
+
+def _barred(polygons, ways, edges, asked):
+    """{place of a way behind the diagonals: those that it crosses, and -1 less each of its islands}."""
+    links = polygons.xy[edges], ways.xy.reshape(-1, 2, 2)
+    link, diagonal = shapely.STRtree(shapely.linestrings(links[0])).query(shapely.linestrings(links[1]))
+    of_link, owner = groups(ways.offsets // 2), polygons.polygon_of_vertex
+    cross = owner[edges[diagonal, 0]] == owner[ways.ends[of_link[link], 0]]  # polygons may overlap
+    cross &= crossing(links[1][link], links[0][diagonal])
+    names = [(-1 - np.unique(own[own >= 0])).tolist() for own in np.split(ways.island, ways.offsets[1:-1])]
+    for k, d in zip(of_link[link[cross]].tolist(), diagonal[cross].tolist()):
+        names[k].append(d)
+    return {len(edges) + k: names[own] for k, own in enumerate(asked.tolist())}
+
+
+def _term(here, there):
+    """Shoelace terms of lines."""
+    (x, y), (x2, y2) = here.T, there.T
+    return (x * y2 - x2 * y) / 2.0
 
 
 def _terms(plane, offsets):
     """Shoelace terms of the outline before each corner on its ring, and of whole rings."""
-    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    return running((x * y2 - x2 * y) / 2.0, offsets)  # a hole's are negative
+    return running(_term(plane, plane[following(offsets)]), offsets)  # a hole's are negative
 
 
-def _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner):
-    """Area on the smaller side of each diagonal, as a share of its polygon's; area of each polygon.
+def _shares(chord, terms, area, polygons, corner):
+    """Area on the smaller side of each diagonal, as a share of its polygon's.
 
     A side is an interval of a ring: two entries of the prefix sums of the shoelace terms, and the
     term of the diagonal. NaN where the ends lie on two rings. Holes on the side count as part of it,
     and those of a polygon as part of that. O(n + k).
     """
     passed, whole = terms
-    area = whole[polygon_offsets[:-1]]
     u, v = corner.T
-    (x, y), (x2, y2) = plane[u].T, plane[v].T
-    side = passed[v] - passed[u] + (x2 * y - x * y2) / 2.0
-    smaller = np.minimum(np.abs(side), np.abs(whole[ring[u]] - side))
-    return np.where(ring[u] == ring[v], smaller / area[polygon_of_ring[ring[u]]], np.nan), area
+    ring = polygons.ring_of_corner[u]
+    side = passed[v] - passed[u] - chord
+    side = np.where(u < v, side, side + whole[ring])
+    smaller = np.minimum(np.abs(side), np.abs(whole[ring] - side))
+    return np.where(
+        ring == polygons.ring_of_corner[v], smaller / area[polygons.polygon_of_ring[ring]], np.nan
+    )
 
 
 def generalised(
@@ -580,10 +671,12 @@ def one_by_one(
     corner: np.ndarray,
     length: np.ndarray,
     halves: np.ndarray,
-    plane: np.ndarray,
+    chord: np.ndarray,
+    turn: np.ndarray,
     terms: tuple,
     area: np.ndarray,
     smallest: np.ndarray,
+    barred: dict[int, list],
 ) -> np.ndarray:
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
@@ -600,12 +693,17 @@ def one_by_one(
     length : (k,) float
     halves : (k,) bool
         Those that would halve a body: wide, and with much of the area on both sides.
-    plane : (c, 2) float
-        The corners in a plane with true areas, near its origin.
+    chord : (k,) float
+        Shoelace terms of the diagonals.
+    turn : (k, 2) float
+        Angle at each end from the outline's way on to the diagonal.
     terms : (c,) float, (r,) float
         Shoelace terms of the outline before each corner on its ring, and of each ring.
     area, smallest : (p,) float
         Area of each polygon, holes included, and of its smallest part.
+    barred : dict
+        Which of the diagonals are ways over islands. Such a way must part a piece, of each island there may
+        be one, and none may cross a diagonal that is cut: a list of these, and of -1 less each island.
 
     Returns
     -------
@@ -628,7 +726,10 @@ def one_by_one(
     >>> terms = running((x * y2 - x2 * y) / 2.0, polygons.offsets)
     >>> ends = np.array([[1, 4], [4, 7]])
     >>> halves, area, smallest = np.zeros(2, dtype=bool), np.array([3.0]), np.array([0.1])
-    >>> why = one_by_one(polygons, outline, ends, np.ones(2), halves, xy, terms, area, smallest)
+    >>> chord, turn = np.array([1.0, 0.5]), np.pi * np.array([[0.5, 1.0], [0.5, 1.5]])
+    >>> why = one_by_one(
+    ...     polygons, outline, ends, np.ones(2), halves, chord, turn, terms, area, smallest, {}
+    ... )
     >>> why.tolist() == [KEPT, USED]
     True
     """
@@ -643,10 +744,9 @@ def one_by_one(
     label, area, smallest = polygon.tolist(), area.tolist(), smallest[polygon].tolist()
     before, after, term = before.tolist(), after.tolist(), term.tolist()
     point = list(map(tuple, _at(outline, ring[places], outline.along[places]).tolist()))
-    (x, y), (x2, y2) = plane[corner[:, 0]].T, plane[corner[:, 1]].T
-    chord = ((x * y2 - x2 * y) / 2.0).tolist()
+    chord, turn = chord.tolist(), turn.tolist()
     ends = np.searchsorted(places, corner).tolist()
-    turn = _turns(polygons, corner).tolist()
+    taken = set()  # islands
     cuts, pieces = {}, {}  # at each place: the directions of its cuts, and the place in each piece
     verdict = np.full(len(corner), KEPT, dtype=np.int8)
     for k, ((u, v), (at_u, at_v), reach) in enumerate(zip(ends, turn, (REACH * length).tolist())):
@@ -669,6 +769,10 @@ def one_by_one(
         # without holes the two labels are one; a hole may still have that of a larger piece
         piece = min(label[a], label[b], key=area.__getitem__)
         begin, of_piece = _shorter_way(a, b, after, term)
+        if k in barred:
+            if begin is None or any(x in taken if x < 0 else verdict[x] == KEPT for x in barred[k]):
+                verdict[k] = USED
+                continue
         if begin is not None:
             of_piece += chord[k] if begin == b else -chord[k]
             if min(of_piece, area[piece] - of_piece) < smallest[u]:
@@ -678,6 +782,7 @@ def one_by_one(
             area.append(of_piece)
             for place in _way(begin, a + b - begin, after):
                 label[place] = len(area) - 1
+        taken.update(barred.get(k, ()))
         # one piece begins at a, runs on to b and back; the other at the copy of b, to that of a
         copy_a, copy_b = len(point), len(point) + 1
         point += [point[a], point[b]]
@@ -839,8 +944,11 @@ def _walk(place, link, point, reach):
     return point[here]
 
 
-def _corners(polygons, edges):
-    """(k, 2) int: the corners at the ends of diagonals; where rings touch, those they leave from."""
+def _corners(polygons, edges, toward=None):
+    """(k, 2) int: the corners at the ends of diagonals; where rings touch, those they leave from.
+
+    Those of ways are not straight: ``toward`` is where they first lead to, from either end.
+    """
     corner_of = np.empty(len(polygons.xy), dtype=np.int64)
     corner_of[polygons.vertex] = np.arange(len(polygons.vertex))
     corner = corner_of[edges]
@@ -852,20 +960,19 @@ def _corners(polygons, edges):
     before = np.empty(len(polygons.vertex), dtype=np.int64)
     before[polygons.next_corner] = np.arange(len(before))
     for k, end in np.argwhere(shared[edges]):
-        u, v = edges[k, end], edges[k, 1 - end]
+        u = edges[k, end]
         several = order[first[u] : first[u + 1]]
-        to = polygons.xy[[v]] - polygons.xy[u]
+        to = (polygons.xy[edges[k, [1 - end]]] if toward is None else toward[k, [end]]) - polygons.xy[u]
         on = polygons.xy[polygons.vertex[polygons.next_corner[several]]] - polygons.xy[u]
         back = polygons.xy[polygons.vertex[before[several]]] - polygons.xy[u]
         corner[k, end] = several[np.argmax(_angle(on, back) - _angle(on, to))]
     return corner
 
 
-def _turns(polygons, corner):
+def _turns(polygons, corner, toward):
     """(k, 2) float: angle at each end from the outline's way on to the diagonal, inside."""
     xy = polygons.xy[polygons.vertex]
-    here, there = xy[corner], xy[corner[:, ::-1]]
-    return _angle(xy[polygons.next_corner[corner]] - here, there - here)
+    return _angle(xy[polygons.next_corner[corner]] - xy[corner], toward - xy[corner])
 
 
 def _angle(a, b):
