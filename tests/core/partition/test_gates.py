@@ -6,9 +6,11 @@ import shapely
 
 from .. import shapes, stages
 from isthmus.core.partition import gates as stage
+from isthmus.core.partition import natural as natural_stage
 from isthmus.core.partition.hierarchy import hierarchy
 from isthmus.core.partition.min_size import SELF
 from isthmus.core.partition.parts import build_parts, merged_parts
+from isthmus.core.partition.polygon import from_rings
 from isthmus.core.partition.solve import finish, prepare, select
 from isthmus.core.rings import one_polygon
 
@@ -288,3 +290,35 @@ def test_unions_of_parts_have_their_islands(shape):
             return [ring.tolist() for ring in part[:1]] + sorted(ring.tolist() for ring in part[1:])
 
         assert sorted(map(key, merged)) == sorted(map(key, wanted.rings))
+
+
+def test_what_bars_a_way():
+    sea = np.array([(0, 0), (10, 0), (20, 0), (20, 10), (10, 10), (0, 10.0)])
+    other = sea + [0, 1]  # a polygon that overlaps the first one
+    polygons = stages.together([shapes.shape(sea), shapes.shape(other)])
+    polygons, _ = from_rings(polygons)
+    at = {tuple(xy): k for k, xy in enumerate(polygons.xy.tolist())}
+    south, north, west, east = at[10, 0], at[10, 10], at[0, 10], at[20, 10]
+
+    def ways(*told):
+        xy = np.concatenate(
+            [[polygons.xy[ends[0]], *middle, polygons.xy[ends[1]]] for ends, middle, _ in told]
+        )
+        island = np.concatenate([[-1, *own, -1] for _, _, own in told])
+        size = [len(middle) + 2 for _, middle, _ in told]
+        return natural_stage.Ways(
+            np.array([ends for ends, _, _ in told]), xy, island, np.append(0, np.cumsum(size))
+        )
+
+    bend = ((south, north), [(12, 3), (12, 7)], [5, 5])
+    twin = ((south, north), [(8, 7), (8, 8)], [6, 6])
+    along = ((west, east), [(8, 8), (12, 6)], [7, 5])
+    edges = np.array([(south, north), (west, at[20, 0]), (at[0, 1], at[20, 11])])
+    found = natural_stage._barred(polygons, ways(bend, twin, along), edges, np.array([0, 2, 1]))
+    assert list(found) == [3, 4, 5]
+    first, third, second = found[3], found[4], found[5]
+    shared = {name for name in first if name < 0}
+    assert len(shared & set(second)) == 1 and len(shared & set(third)) == 1  # ends; an island
+    assert not set(second) & set(third) & set(range(-99, 0))
+    # two have the ends of diagonal 0, one crosses diagonal 1; the third diagonal is the other polygon's
+    assert [{x for x in own if x >= 0} for own in (first, second, third)] == [{0}, {0, 1}, set()]
