@@ -175,6 +175,7 @@ def _closed(polygons, node_of_ring, edges, measure):
     # on a shore the way begins where the diagonal does
     from_shore, landing = (np.where(way.count[at] == 0, ends, x[at]) for x in (way.shore, way.landing))
     water = way.water[at].sum(axis=1) + chord
+    water[(way.landing[at] == ends).any(axis=1)] = np.inf  # as in `_ways`
     whole = way.whole[at].sum(axis=1) + chord + sum(length(landing[:, k], ends[:, k]) for k in (0, 1))
     good = (from_shore[:, 0] != from_shore[:, 1]) & (water <= (1.0 - SUPPORT) * whole)
     good[good] = whole[good] <= BULGE * length(*from_shore[good].T)
@@ -190,11 +191,11 @@ class _Ways(NamedTuple):
     first : (n,) int
         The first island on the way; -1 on the shore itself.
     count : (n,) int
-        How many islands there are.
+        How many islands there are; -1 where they are more than MOST.
     shore, origin, landing : (n,) int
         The vertices where the way leaves the shore, and the node before, and where it lands.
     whole, water : (n,) float
-        Lengths of the way, and of that in the water.
+        Lengths of the way, and of that in the water: infinite if it only touches an island, at one vertex.
     """
 
     first: np.ndarray
@@ -207,25 +208,26 @@ class _Ways(NamedTuple):
 
 
 def _ways(node, links, shores, length):
-    """The ways to all nodes, one island further at a time."""
+    """The ways to nodes, one island further at a time."""
     size = int(node.max(initial=-1)) + 1
     first, count, shore, origin, landing = np.full((5, size), -1)
     whole, water = np.zeros((2, size))
     count[shores] = 0
     links = np.concatenate((links, links[:, ::-1]))
-    while True:
+    for _ in range(MOST):
         links = links[count[node[links[:, 1]]] < 0]
         u, v = links[count[node[links[:, 0]]] >= 0].T
         if not len(u):
-            return _Ways(first, count, shore, origin, landing, whole, water)
+            break
         before, here = node[u], node[v]
         begins = count[before] == 0
         first[here] = np.where(begins, here, first[before])
         shore[here] = np.where(begins, u, shore[before])
         count[here] = count[before] + 1
         origin[here], landing[here] = u, v
-        water[here] = water[before] + length(u, v)
+        water[here] = np.where(landing[before] == u, np.inf, water[before] + length(u, v))
         whole[here] = whole[before] + length(np.where(begins, u, landing[before]), u) + length(u, v)
+    return _Ways(first, count, shore, origin, landing, whole, water)
 
 
 def _listed(node, way, ends):

@@ -330,9 +330,9 @@ def merged_parts(
         index, its = take(free_start, own)
         holes, of = free[by_target[index]], np.repeat(union, np.diff(its))
         if ways is not None:  # the islands of a way inside are holes again
-            of_inside, its_islands = ways.islands(inside[times == 2] % len(below))
-            holes = np.append(holes, its_islands)
-            of = np.append(of, (inside[times == 2] // len(below))[of_inside])
+            its_union, number = np.divmod(inside[times == 2], len(below))
+            of_inside, islands = ways.islands(ways.of_cut[number])
+            holes, of = np.append(holes, islands), np.append(of, its_union[of_inside])
         owner, corners, rings = _with_holes(polygons, owner, corners, rings, holes, of)
         polygon = polygon_of_part[pieces[offsets[lo:hi]]]
         yield _rows(polygons, owner, corners, rings, hi - lo, polygon[owner])
@@ -377,23 +377,14 @@ class _Ways:
             np.insert(edge, after, np.concatenate(edges)),
         )
 
-    def islands(self, cuts):
-        """The rings on the ways of some cuts: for each the place of its cut, and its number."""
-        some = np.flatnonzero(self.of_cut[cuts] >= 0)
-        index, offsets = take(self.over.offsets, self.of_cut[cuts[some]])
-        ring = self.polygons.ring_of_corner[self.corner_of[self.over.vertex[index]]]
+    def islands(self, ways):
+        """The rings on ways: for each the place of its way, and its number."""
+        some = np.flatnonzero(ways >= 0)
+        index, offsets = take(self.over.offsets, ways[some])
         inner = np.ones(len(index), dtype=bool)
         inner[offsets[:-1]] = inner[offsets[1:] - 1] = False
-        return np.repeat(some, np.diff(offsets))[inner][::2], ring[inner][::2]
-
-    @property
-    def passed(self):
-        """The rings on the ways of all."""
-        own = np.append(self.of_cut, self.of_tree)
-        index, offsets = take(self.over.offsets, own[own >= 0])
-        inner = np.ones(len(index), dtype=bool)
-        inner[offsets[:-1]] = inner[offsets[1:] - 1] = False
-        return self.polygons.ring_of_corner[self.corner_of[self.over.vertex[index[inner]]]]
+        landing = self.corner_of[self.over.vertex[index[inner][::2]]]
+        return np.repeat(some, np.diff(offsets) // 2 - 1), self.polygons.ring_of_corner[landing]
 
 
 def _rings(polygons, walk, bounds, place, edge, ways):
@@ -426,7 +417,7 @@ def _free_holes(polygons, walk, ways, polygon_of, owner, corners, offsets):
     walked = np.zeros(len(polygons.offsets) - 1, dtype=bool)
     walked[polygons.ring_of_corner[walk.corner]] = True
     if ways is not None:
-        walked[ways.passed] = True
+        walked[ways.islands(np.append(ways.of_cut, ways.of_tree))[1]] = True
     free = np.flatnonzero(~walked)
     if not len(free):
         return free, free

@@ -116,6 +116,26 @@ def test_the_user_may_not_want_to_see_the_island():
     assert prepared(bay(LENS), over_islands=False).gate is None
 
 
+def test_no_way_touches_an_island_at_one_vertex_only():
+    # between two long islands one that reaches their row with its tip
+    land = [LENS, [(10, 20), (8.8, 18.5), (11.2, 18.5)], [(x + 10, y) for x, y in LENS]]
+    shape = shapes.shape(*bay(None, mouth=20.0).rings, *land)
+    found = prepared(shape)
+    assert found.gate is None
+    assert set(finish(found, select(found, 1.0)).parts.rows.tolist()) == set(range(len(shape.coords)))
+    without = prepared(shapes.shape(*bay(None, mouth=20.0).rings, land[0], land[2]))
+    assert len(ways(without)) == 1
+
+
+def test_long_rows_are_left_alone(monkeypatch):
+    shape = WITH_GATES[0]
+    longest = max(len(way) // 2 - 1 for way in ways(prepared(shape)).values())
+    monkeypatch.setattr(stage, "MOST", longest)
+    assert max(len(way) // 2 - 1 for way in ways(prepared(shape)).values()) == longest
+    monkeypatch.setattr(stage, "MOST", longest - 1)
+    assert all(len(way) // 2 - 1 < longest for way in ways(prepared(shape)).values())
+
+
 @pytest.mark.parametrize("shape", SEAS)
 def test_gates_change_nothing_for_diagonals(shape):
     with_them, without = prepared(shape), prepared(shape, over_islands=False)
