@@ -55,7 +55,7 @@ class Prepared(NamedTuple):
     owner : (k,) int
         The polygon of each.
     chord : (k,) float
-        Straight length of each edge.
+        Straight length of each edge; of a gate that of its water.
     length : (k,) float
         What the solver takes for it: the chord, or the way along the generalised outline where that is
         shorter, so that these lengths keep the triangle inequality.
@@ -233,7 +233,7 @@ class Partition(NamedTuple):
     edge_rows : (k, 2) int
         Input rows at these ends.
     length : (k,) float
-        Straight length, in units of the metric.
+        Straight length, in units of the metric; of a gate that of its water.
     detour : (k,) float
         Dilation in P before any cut; infinite where only a cut connects the ends.
     share
