@@ -119,10 +119,11 @@ def gates(
     some, vertex = select(polygons, which)
     ring = np.flatnonzero(np.isin(of_ring, which))
     kept = island[ring] | wanted[component[ring]]
-    whole = some
-    some, number = without_rings(some, ~kept)
-    of_whole, shore = number, ~island[ring[kept]]
-    triangles, verdict = triangulate(some, conformal=measure.conformal, engine=engine, check=check)
+    whole, shore = some, ~island[ring[kept]]
+    some, of_whole = without_rings(whole, ~kept)
+    triangles, verdict = triangulate(
+        some, conformal=measure.conformal, engine=engine, check=lambda share=None: check()
+    )
     if (verdict != "").any():
         good = np.flatnonzero(verdict == "")
         shore = shore[np.isin(some.polygon_of_ring, good)]

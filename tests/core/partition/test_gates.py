@@ -342,3 +342,30 @@ def test_what_bars_a_way():
     assert not set(second) & set(third) & set(range(-99, 0))
     # two have the ends of diagonal 0, one crosses diagonal 1; the third diagonal is the other polygon's
     assert [{x for x in own if x >= 0} for own in (first, second, third)] == [{0}, {0, 1}, set()]
+
+
+def test_polygons_without_a_triangulation_have_no_gates(monkeypatch):
+    several = [bay(LENS), bay(LENS), bay(LENS)]
+    area = np.array([shape.polygon.area for shape in several])
+    real = stage.triangulate
+
+    def but_the_first(polygons, **options):
+        triangles, verdict = real(polygons, **options)
+        verdict = verdict.copy()
+        verdict[0] = "no"
+        return triangles[triangles[:, 0] >= polygons.vertex_offsets[1]], verdict
+
+    monkeypatch.setattr(stage, "triangulate", but_the_first)
+    found = prepare(stages.together(several), natural=True, smallest=SMALLEST * area)
+    assert found.owner[found.gate >= 0].tolist() == [1, 2]
+    assert prepared(several[0]).gate is None
+
+
+@pytest.mark.parametrize("factor", [1e-160, 1e-60, 1e60, 1e150])
+def test_extreme_magnitudes(factor):
+    shape = bay(LENS).mapped(lambda xy: xy * factor)
+    with np.errstate(under="ignore"):
+        found = prepare(
+            one_polygon(*shape), natural=True, smallest=SMALLEST * bay(LENS).polygon.area * factor * factor
+        )
+    assert found.chord[found.gate >= 0] / factor == pytest.approx([2.0])
