@@ -91,15 +91,19 @@ def polygons(
         yield b"".join(chunks)
 
 
-def lines(coords: np.ndarray, rows: np.ndarray, extra: Sequence[int]) -> Iterator[bytes]:
-    """Yield straight lines between rows.
+def lines(
+    coords: np.ndarray, rows: np.ndarray, extra: Sequence[int], offsets: np.ndarray | None = None
+) -> Iterator[bytes]:
+    """Yield lines along rows.
 
     Parameters
     ----------
     coords : (k, d) float
-    rows : (l, 2) int
+    rows : (l, 2) int, or (r,) int
     extra : (l,) int
         What each line has beside x and y, see `width`.
+    offsets : (l + 1,) int, optional
+        Where the rows of each line begin, if not all have two.
 
     Examples
     --------
@@ -108,12 +112,13 @@ def lines(coords: np.ndarray, rows: np.ndarray, extra: Sequence[int]) -> Iterato
     41
     """
     ordinates = coords.shape[1]
-    raw, step = coords[rows].tobytes(), 16 * ordinates
-    for k, more in enumerate(extra):
-        part, own = raw[k * step : (k + 1) * step], width(more)
+    raw, step = coords[rows].tobytes(), 8 * ordinates
+    bounds = range(0, 2 * len(extra) + 1, 2) if offsets is None else offsets.tolist()
+    for lo, hi, more in zip(bounds[:-1], bounds[1:], extra):
+        part, own = raw[lo * step : hi * step], width(more)
         if own != ordinates:
-            part = np.frombuffer(part).reshape(2, ordinates)[:, :own].tobytes()
-        yield header(2 + more, 2) + part
+            part = np.frombuffer(part).reshape(-1, ordinates)[:, :own].tobytes()
+        yield header(2 + more, hi - lo) + part
 
 
 class Runs:

@@ -852,8 +852,8 @@
    <translation>Natürlich (Natural)</translation>
   </message>
   <message>
-   <source>Natural: only where people see parts meet, at places where the outline is concave and the polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, as in the paper.</source>
-   <translation>Natural (natürlich): nur wo Menschen Teile aneinanderstoßen sehen, an Stellen, wo der Umriss einspringt und sich das Polygon neben dem Schnitt weitet. Any (überall): zwischen je zwei Stützpunkten, die eine Triangulation verbindet, wie im Artikel.</translation>
+   <source>Natural: only where people see parts meet, at places where the outline is concave and the polygon opens up beside the cut, or over a row of small holes that fills half of the way. Any: between any two vertices that a triangulation joins, as in the paper.</source>
+   <translation>Natural (natürlich): nur wo Menschen Teile aneinanderstoßen sehen, an Stellen, wo der Umriss einspringt und sich das Polygon neben dem Schnitt weitet, oder über eine Reihe kleiner Löcher, die den halben Weg füllt. Any (überall): zwischen je zwei Stützpunkten, die eine Triangulation verbindet, wie im Artikel.</translation>
   </message>
   <message>
    <source>Neighbours</source>
@@ -1244,12 +1244,12 @@
    <translation>Die Kurve endet nach so vielen Stufen, auch wenn das kleinste tau noch nicht erreicht ist.</translation>
   </message>
   <message>
-   <source>The cuts, with the id of their polygon (source), length, detour (how many times longer the way along the outline was; empty if only a cut connects the ends), persistence (the tau up to which the cut is needed) and rank (1 for the most persistent of the feature).</source>
-   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), persistence (bis zu welchem tau der Schnitt gebraucht wird) und rank (1 für den mit der größten Persistenz im Objekt).</translation>
+   <source>The cuts, with the id of their polygon (source), length (without that over holes), detour (how many times longer the way along the outline was; empty if only a cut connects the ends), persistence (the tau up to which the cut is needed) and rank (1 for the most persistent of the feature).</source>
+   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge, ohne die über Löcher), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), persistence (bis zu welchem tau der Schnitt gebraucht wird) und rank (1 für den mit der größten Persistenz im Objekt).</translation>
   </message>
   <message>
-   <source>The cuts, with the id of their polygon (source), length, detour (how many times longer the way along the outline was; empty if only a cut connects the ends), the parts on both sides (part_a, part_b; equal where a cut only connects a hole), and share (the smaller side as per cent of the feature's area; empty where that was not measured).</source>
-   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), den Teilen auf beiden Seiten (part_a, part_b; gleich, wo ein Schnitt nur ein Loch anschließt) und share (die kleinere Seite in Prozent der Fläche des Objekts; leer, wo das nicht gemessen wurde).</translation>
+   <source>The cuts, with the id of their polygon (source), length (without that over holes), detour (how many times longer the way along the outline was; empty if only a cut connects the ends), the parts on both sides (part_a, part_b; equal where a cut only connects a hole), and share (the smaller side as per cent of the feature's area; empty where that was not measured).</source>
+   <translation>Die Schnitte mit der ID ihres Polygons (source), length (Länge, ohne die über Löcher), detour (wievielmal so lang der Weg am Umriss entlang war; leer, wenn nur ein Schnitt die Enden verbindet), den Teilen auf beiden Seiten (part_a, part_b; gleich, wo ein Schnitt nur ein Loch anschließt) und share (die kleinere Seite in Prozent der Fläche des Objekts; leer, wo das nicht gemessen wurde).</translation>
   </message>
   <message>
    <source>The distance from {} to {}</source>

@@ -104,7 +104,8 @@ def partition(
     weight : callable, optional
         For MinWeight: called with `Candidates`, it returns a weight of at least 0 for each.
     places : {'Natural', 'Any'}
-        Where a cut may lie: where people see parts meet, or anywhere, as in the paper.
+        Where a cut may lie: where people see parts meet, or anywhere, as in the paper. A natural cut may
+        lead over a row of small holes that fills half of the way; its length is that of the rest.
     smallest_part : float, sequence of float or str
         In per cent of the feature: smaller parts are not cut off, smaller holes attract no cuts, smaller
         detail is not measured.
@@ -678,7 +679,8 @@ class _Out:
     ) -> None:
         """Add cuts or diagonals."""
         chunk = problem.chunk
-        made = _geometry.lines(chunk.rings.coords, problem.prepared.edge_rows[edges], chunk.extra[feature])
+        rows, offsets = problem.prepared.way_rows(edges)
+        made = _geometry.lines(chunk.rings.coords, rows, chunk.extra[feature], offsets)
         self.layers[name].append((chunk.features[feature], made, fields))
 
     def results(self, settings: _Settings, names: Sequence[str]) -> Parts:

@@ -105,11 +105,13 @@ def _plain(coords: np.ndarray, extra: np.ndarray) -> bool:
     return alike and not np.isnan(coords[:, 2:]).any()
 
 
-def lines(coords: np.ndarray, rows: np.ndarray, extra: np.ndarray) -> np.ndarray:
-    """Return straight lines between rows; see ``core.wkb.lines``."""
-    if _plain(coords, extra):
+def lines(
+    coords: np.ndarray, rows: np.ndarray, extra: np.ndarray, offsets: np.ndarray | None = None
+) -> np.ndarray:
+    """Return lines along rows; see ``core.wkb.lines``."""
+    if offsets is None and _plain(coords, extra):
         return shapely.linestrings(coords[rows])
-    return shapely.from_wkb(list(wkb.lines(coords, rows, extra.tolist())))
+    return shapely.from_wkb(list(wkb.lines(coords, rows, extra.tolist(), offsets)))
 
 
 def chunks(geometries: np.ndarray, measure: Metric) -> Iterator[tuple[Chunk, np.ndarray]]:

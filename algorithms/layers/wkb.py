@@ -194,17 +194,19 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     return map(_geometry, wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi))
 
 
-def line_geometries(coords, rows, extra):
-    """Return an iterator of straight lines between rows.
+def line_geometries(coords, rows, extra, offsets=None):
+    """Return an iterator of lines along rows; see ``core.wkb.lines``.
 
     Parameters
     ----------
     coords : (k, d) float
-    rows : (l, 2) int
+    rows : (l, 2) int, or (r,) int
     extra : (l,) int
         The `dimensions` of each line.
+    offsets : (l + 1,) int, optional
+        Where the rows of each line begin, if not all have two.
     """
-    return map(_geometry, wkb.lines(coords, rows, extra))
+    return map(_geometry, wkb.lines(coords, rows, extra, offsets))
 
 
 class Runs:

@@ -113,8 +113,8 @@ class PartitionTool(IsthmusAlgorithm):
         self.add(
             places_parameter(self.PLACES, places),
             "Natural: only where people see parts meet, at places where the outline is concave and the "
-            "polygon opens up beside the cut. Any: between any two vertices that a triangulation joins, "
-            "as in the paper.",
+            "polygon opens up beside the cut, or over a row of small holes that fills half of the way. Any: "
+            "between any two vertices that a triangulation joins, as in the paper.",
         )
         self.add_dynamic(
             self.SMALLEST_PART,
@@ -303,7 +303,7 @@ class CuttingTool(PartitionTool):
             QgsProcessingParameterFeatureSink(
                 self.CUTS, "Cuts", QgsProcessing.SourceType.TypeVectorLine, optional=True
             ),
-            "The cuts, with the id of their polygon (source), length, detour (how many times longer "
+            "The cuts, with the id of their polygon (source), length (without that over holes), detour (how many times longer "
             "the way along the outline was; empty if only a cut connects the ends), the parts "
             "on both sides (part_a, part_b; equal where a cut only connects a hole), and share (the "
             "smaller side as per cent of the feature's area; empty where that was not measured).",

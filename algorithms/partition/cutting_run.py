@@ -249,10 +249,9 @@ class _Writer:
     @staticmethod
     def _lines(name, problem, solution, chosen, values):
         feature = problem.owner[solution.owner[chosen]].tolist()
+        rows, offsets = problem.prepared.way_rows(chosen)
         geometries = wkb.line_geometries(
-            problem.chunk.rings.coords,
-            solution.edge_rows[chosen],
-            [problem.chunk.extra[f] for f in feature],
+            problem.chunk.rings.coords, rows, [problem.chunk.extra[f] for f in feature], offsets
         )
         return name, feature[::-1], zip(geometries, values)
 

@@ -129,9 +129,10 @@ class HierarchyAlgorithm(PartitionTool):
             QgsProcessingParameterFeatureSink(
                 self.CUTS, "Cuts by persistence", QgsProcessing.SourceType.TypeVectorLine, optional=True
             ),
-            "The cuts, with the id of their polygon (source), length, detour (how many times longer the "
-            "way along the outline was; empty if only a cut connects the ends), persistence (the tau up "
-            "to which the cut is needed) and rank (1 for the most persistent of the feature).",
+            "The cuts, with the id of their polygon (source), length (without that over holes), detour (how "
+            "many times longer the way along the outline was; empty if only a cut connects the ends), "
+            "persistence (the tau up to which the cut is needed) and rank (1 for the most persistent of "
+            "the feature).",
         )
         self.add_numbers(
             (

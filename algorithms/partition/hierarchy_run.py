@@ -119,10 +119,9 @@ class _Writer:
             [length, detour if math.isfinite(detour) else NULL, *more]
             for length, detour, *more in zip(*(x.tolist() for x in fields.values()))
         )
+        rows, offsets = problem.prepared.way_rows(edges)
         geometries = wkb.line_geometries(
-            problem.chunk.rings.coords,
-            problem.prepared.edge_rows[edges],
-            [problem.chunk.extra[f] for f in feature.tolist()],
+            problem.chunk.rings.coords, rows, [problem.chunk.extra[f] for f in feature.tolist()], offsets
         )
         return feature.tolist()[::-1], zip(geometries, values)
 

@@ -105,19 +105,24 @@ class Preview(NamedTuple):
 
     def _shown(self, chosen):
         """Draw edges, from (selected, those that connect holes) of each problem."""
-        ends, parts = [np.empty((0, 2, 2))], 0
+        ends, cuts, parts = [np.empty((0, 2, 2))], 0, 0
         for problem, (selected, tree) in zip(self.problems, chosen):
             prepared = problem.prepared
             solved = problem.verdict[prepared.polygons.number[prepared.owner[selected]]] == ""
             selected = selected[solved]
-            ends.append(problem.chunk.rings.coords[:, :2][prepared.edge_rows[selected]])
+            cuts += len(selected)
+            rows, offsets = prepared.way_rows(selected)
+            if offsets is not None:  # each stretch by itself
+                inner = np.delete(np.arange(len(rows) - 1), offsets[1:-1] - 1)
+                rows = rows[np.column_stack((inner, inner + 1))]
+            ends.append(problem.chunk.rings.coords[:, :2][rows])
             parts += len(problem.chunk.owner) + int((~np.isin(selected, tree)).sum())
         ends = np.concatenate(ends)
         line = np.dtype([("order", "u1"), ("kind", "<u4"), ("count", "<u4"), ("xy", "<f8", (2, 2))])
         lines = np.zeros(len(ends), line)
         lines["order"], lines["kind"], lines["count"], lines["xy"] = 1, 2, 2, ends
         head = np.array([5, len(ends)], "<u4").tobytes()
-        return Shown(b"\x01" + head + lines.tobytes(), len(ends), parts)
+        return Shown(b"\x01" + head + lines.tobytes(), cuts, parts)
 
 
 def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=ignore, feedback=None):

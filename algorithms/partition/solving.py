@@ -232,8 +232,9 @@ def weigh_by_expression(text, source, lines, context):
     def weigh(chunk, near, prepared):
         polygon = prepared.polygons.number[prepared.owner]
         feature_of = chunk.owner[polygon].tolist()
+        rows, offsets = prepared.way_rows(np.arange(len(prepared.edges)))
         geometries = wkb.line_geometries(
-            chunk.rings.coords, prepared.edge_rows, [chunk.extra[f] for f in feature_of]
+            chunk.rings.coords, rows, [chunk.extra[f] for f in feature_of], offsets
         )
         weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)

@@ -68,7 +68,7 @@ def min_size(
     []
     """
     solution = partition(
-        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
+        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest), over_islands=False,
         cancelled=_asks(check),
     )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]
@@ -101,7 +101,7 @@ def min_length(
     [[1, 4]]
     """
     solution = partition(
-        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest),
+        coords, offsets, tau, natural=natural, smallest=_area(coords, offsets, smallest), over_islands=False,
         weigh=lambda prepared: prepared.chord, max_gap=GAP, time_limit=SECONDS, cancelled=_asks(check),
     )  # fmt: skip
     return solution.edge_rows[solution.role == SELF]

@@ -5,7 +5,7 @@ Section 4.2 of the paper: any set of diagonals that do not cross serves as candi
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple
+from typing import TYPE_CHECKING, Callable, NamedTuple
 
 import numpy as np
 import shapely
@@ -15,9 +15,12 @@ from ..predicates import crossing
 from ..progress import ignore
 from ..rings import groups, shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
-from .natural import natural
+from .natural import KEPT, Ways, natural
 from .polygon import Polygons, select, without_rings
 from .triangulation import diagonals, sides_of, triangulate
+
+if TYPE_CHECKING:
+    from .gates import Gates
 
 __all__ = [
     "ACCEPTED",
@@ -25,6 +28,7 @@ __all__ = [
     "Diagonals",
     "Lines",
     "OFF_VERTICES",
+    "clear",
     "counted",
     "from_lines",
     "from_triangulation",
@@ -150,6 +154,8 @@ class Diagonals(NamedTuple):
         that are left out.
     places : feet.Places or None
         Where a cut could end inside an edge, if that was asked; the natural ones, if only these are wanted.
+    gate : (k,) int or None
+        Which of the gates each is, -1 if none; None where no gates are candidates.
     """
 
     edges: np.ndarray
@@ -158,6 +164,7 @@ class Diagonals(NamedTuple):
     why: np.ndarray | None = None
     share: np.ndarray | None = None
     edge_length: np.ndarray | None = None
+    gate: np.ndarray | None = None
 
 
 def from_triangulation(
@@ -168,6 +175,7 @@ def from_triangulation(
     measure: Metric,
     smallest: np.ndarray | None = None,
     only_natural: bool = False,
+    gates: Gates | None = None,
     known: tuple | None = None,
     with_places: bool = True,
     engine: str | None = None,
@@ -187,6 +195,8 @@ def from_triangulation(
         Area of the smallest part of each polygon: asks which diagonals are natural (`natural.natural`).
     only_natural : bool
         Whether only these will be candidates; so are the places then.
+    gates : Gates, optional
+        Ways over islands that may be candidates, too.
     known : tuple, optional
         What `triangulation.triangulate` says of the polygons without the others, if that is known.
     with_places : bool
@@ -233,13 +243,16 @@ def from_triangulation(
     position = measure.positions(rest.xy)
     short = places(rest, sides, position, measure) if with_places else None
     if free.any():  # before the natural ones are chosen: an islet must not use up the corners beside it
-        edges = edges[_clear(polygons, free, vertex[edges])]
+        edges = edges[clear(polygons, free, vertex[edges])]
     found = Diagonals(edges if rest is polygons else vertex[edges], verdict, short)
     if smallest is not None:
         own = np.flatnonzero(verdict == "")
         unit = polygons.unit[own]
         least = smallest[own] / unit / unit
-        chosen = natural(rest, edges, triangles, position, measure, least)
+        ways, number = None, None
+        if gates is not None:
+            ways, number = _over_islands(gates, polygons, component, vertex)
+        chosen = natural(rest, edges, triangles, position, measure, least, ways)
         if short is not None:
             good = large_places(rest, short, measure, least)
             if only_natural:
@@ -248,13 +261,63 @@ def from_triangulation(
         edge_length = np.full(len(polygons.vertex), np.nan)
         edge_length[corner] = chosen.edge_length * np.repeat(unit, np.diff(rest.corner_offsets))
         found = found._replace(why=chosen.why, share=chosen.share, edge_length=edge_length)
+        if ways is not None and chosen.way.any():
+            found = _with_gates(found, vertex[ways.ends], number, chosen)
     if short is None:
         return found
     return found._replace(places=short._replace(apex=vertex[short.apex], edge=corner[short.edge]))
 
 
-def _clear(polygons, free, edges):
-    """Which edges meet none of the rings that are left out."""
+def _over_islands(gates, polygons, component, vertex):
+    """The gates as `natural` wants them, by the vertices that are left, and their numbers."""
+    back = np.full(len(polygons.xy), -1)
+    back[vertex] = np.arange(len(vertex))
+    ends = back[np.column_stack((gates.vertex[gates.offsets[:-1]], gates.vertex[gates.offsets[1:] - 1]))]
+    number = np.flatnonzero((ends >= 0).all(axis=1))  # the others' polygons could not be triangulated
+    index, offsets = take(gates.offsets, number)
+    island = np.empty(len(polygons.xy), dtype=np.int64)
+    island[polygons.vertex] = component[polygons.ring_of_corner]
+    island[vertex] = -1
+    way = gates.vertex[index]
+    return Ways(ends[number], polygons.xy[way], island[way], offsets), number
+
+
+def _with_gates(found, ends, number, chosen):
+    """With the gates that are candidates among the diagonals."""
+    own = np.flatnonzero(chosen.way)
+    edges = np.concatenate((found.edges, ends[own]))
+    order = np.lexsort((-edges[:, 1], edges[:, 0]))
+    gate = np.append(np.full(len(found.edges), -1), number[own])
+    why = np.append(found.why, np.full(len(own), KEPT, dtype=found.why.dtype))
+    share = np.append(found.share, chosen.way_share[own])
+    return found._replace(edges=edges[order], why=why[order], share=share[order], gate=gate[order])
+
+
+def clear(polygons: Polygons, free: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Find the edges that meet none of the rings that are left out.
+
+    Parameters
+    ----------
+    polygons : Polygons
+    free : (r,) bool
+        The rings left out.
+    edges : (k, 2) int
+        Those of a polygon together, in the order of the polygons.
+
+    Returns
+    -------
+    (k,) bool
+
+    Examples
+    --------
+    One diagonal of a square leads across a hole.
+
+    >>> from isthmus.core.partition.polygon import one
+    >>> xy = np.array([[0, 0], [9, 0], [9, 9], [0, 9], [4, 4], [4, 5], [5, 4.0]])
+    >>> square = one(xy, [0, 4, 7])
+    >>> clear(square, np.array([False, True]), np.array([[0, 2], [0, 1]])).tolist()
+    [False, True]
+    """
     owner = polygons.polygon_of_vertex[edges[:, 0]]
     bounds = np.searchsorted(owner, np.arange(len(polygons.unit) + 1))
     clear = np.ones(len(edges), dtype=bool)

@@ -119,6 +119,7 @@ def carve(
     edges: np.ndarray,
     tree: np.ndarray,
     wanted: np.ndarray,
+    toward: np.ndarray | None = None,
 ) -> tuple[Walk, np.ndarray]:
     """Walk around the polygons carved open along T, and place all candidates on the walks.
 
@@ -132,6 +133,8 @@ def carve(
         Which of them are in T.
     wanted : (r,) bool
         The components that T joins, by their numbers. Others are no part of a walk.
+    toward : (k, 2) int, optional
+        For candidates that are not straight, the vertices toward which they leave either end.
 
     Returns
     -------
@@ -171,7 +174,8 @@ def carve(
     # half-edges: c leaves corner c; corners + 2 t and + 2 t + 1 are edge t of T, there and back
     after = np.append(polygons.next_corner, np.zeros(2 * len(tree), dtype=np.int64))
     leaves = corner_of[edges]  # the half-edge that leaves the place of each end
-    _turn(polygons, edges, tree, in_walk, after, leaves)
+    toward = edges[:, ::-1] if toward is None else toward
+    _turn(polygons, edges, toward, tree, in_walk, after, leaves)
 
     owner = groups(polygons.corner_offsets)
     owner = np.append(owner, np.repeat(owner[corner_of[edges[tree, 0]]], 2))
@@ -201,7 +205,7 @@ def _by_length(xy, edges, length):
     return np.lexsort((second, first, length))
 
 
-def _turn(polygons, edges, tree, in_walk, after, leaves):
+def _turn(polygons, edges, toward, tree, in_walk, after, leaves):
     """Link the half-edges at vertices passed several times; give candidates the wedge they leave from.
 
     Counter-clockwise, a wedge of the interior opens at the half-edge that leaves it and closes at
@@ -225,8 +229,8 @@ def _turn(polygons, edges, tree, in_walk, after, leaves):
         (
             vertex[before[out]],
             vertex[polygons.next_corner[out]],
-            edges[tree][:, ::-1].ravel(),
-            edges[candidate, 1 - side],
+            toward[tree].ravel(),
+            toward[candidate, side],
         )
     )
     half = np.concatenate((before[out], out, ways, np.zeros(len(candidate), dtype=np.int64)))

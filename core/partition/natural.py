@@ -13,6 +13,8 @@ for each. This stage chooses that set by what research on perception found, at o
 * **A corner is used once.** Short and sharp cuts come first, as in the models of Luo et al. 2015
   and of Papanelopoulos and Avrithis 2015 (BMVC); what is left of the outline must still be concave
   for another cut. So a body is not cut across from the foot of one limb to that of another.
+* **Islands close a bay** where they fill half of the way across (`gates.gates`). These ways come last, so
+  that they change nothing for the diagonals; the minima rule and the smallest part hold for them, too.
 * **A body is not halved** at a shallow corner. A wide cut that leaves a third of the area or more on
   both sides parts no limb from a body, so the outline must open up beside it much more than beside a
   limb's base. Else the cut is no smooth going on of the outline (good continuation: Kellman and
@@ -29,8 +31,10 @@ from math import atan2, degrees, dist, hypot
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from ..metric import Metric
+from ..predicates import crossing
 from ..rings import following, groups, locate, offsets_of, previous, ranges, running, take
 from .polygon import Polygons
 
@@ -46,6 +50,7 @@ __all__ = [
     "RULES",
     "USED",
     "WIDER",
+    "Ways",
     "bends",
     "edges_of_triangles",
     "generalised",
@@ -89,6 +94,8 @@ class Natural(NamedTuple):
         EVEN (width beside it, or beside the piece that it would halve), USED (its corners, by shorter cuts).
     outline : Outline
         The finest one.
+    way, way_share : (g,) bool, (g,) float
+        For each of the ways over islands ``kept`` and ``share``.
     """
 
     kept: np.ndarray
@@ -96,6 +103,34 @@ class Natural(NamedTuple):
     share: np.ndarray
     why: np.ndarray
     outline: Outline
+    way: np.ndarray
+    way_share: np.ndarray
+
+
+class Ways(NamedTuple):
+    """Ways over islands that are no rings of the polygons (`gates.gates`).
+
+    Attributes
+    ----------
+    ends : (g, 2) int
+        The vertices where they begin and end.
+    xy : (2 w, 2) float
+        The ends of the stretches of water of all ways, one after the other.
+    island : (2 w,) int
+        The island of each of these, -1 at the ends of ways.
+    offsets : (g + 1,) int
+        Where those of each way start.
+    """
+
+    ends: np.ndarray
+    xy: np.ndarray
+    island: np.ndarray
+    offsets: np.ndarray
+
+    @property
+    def toward(self) -> np.ndarray:
+        """(g, 2, 2) float: where the ways first land, from either end."""
+        return np.stack((self.xy[self.offsets[:-1] + 1], self.xy[self.offsets[1:] - 2]), axis=1)
 
 
 class Outline(NamedTuple):
@@ -140,6 +175,7 @@ def natural(
     position: np.ndarray,
     measure: Metric,
     smallest: np.ndarray,
+    ways: Ways | None = None,
 ) -> Natural:
     """Choose the diagonals of polygons where people would cut.
 
@@ -156,6 +192,8 @@ def natural(
     smallest : (p,) float
         Area of the smallest part of each polygon, in the units of ``measure.equal_area`` of
         ``polygons.xy``; lengths in the result are those of ``position``: neither knows ``unit``.
+    ways : Ways, optional
+        Ways over islands, which are asked after all diagonals.
 
     Returns
     -------
@@ -183,12 +221,12 @@ def natural(
     smallest = np.broadcast_to(np.asarray(smallest, dtype=float), len(polygon_offsets) - 1)
     corner = _corners(polygons, edges)
     plane = measure.equal_area(polygons.xy)[vertex]
-    first = np.repeat(offsets[polygon_offsets[:-1]], np.diff(offsets[polygon_offsets]))
-    plane -= plane[first]  # near its origin, terms of areas cancel least
+    origin = plane[offsets[polygon_offsets[:-1]]]
+    plane -= np.repeat(origin, np.diff(offsets[polygon_offsets]), axis=0)  # there terms of areas cancel least
     edge_length = measure.length(position, vertex, vertex[polygons.next_corner])
-    terms = _terms(plane, offsets)
-
-    share, area = _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner)
+    terms = running(_term(plane, plane[following(offsets)]), offsets)  # a hole's are negative
+    area = terms[1][polygon_offsets[:-1]]
+    share = _shares(_term(*plane[corner.T]), terms, area, polygons, corner)
     outline, measured = _outlines(
         plane, position[vertex], offsets, edge_length, DETAIL * smallest[polygon_of_ring]
     )
@@ -217,42 +255,103 @@ def natural(
     middle = (position[edges[:, 0]] + position[edges[:, 1]]) / 2.0
     verdict[even[~opens(even, length, middle, beside, across)]] = EVEN
 
-    # Short ones first, of about as short ones the sharp ones. How sharp a bend is changes with the detail of
-    # the data more than how long a cut is: by length / bend, of 40 cuts of the ten largest land masses at one
-    # detail 88 % had the same ends at another, so 92 %. Powers of the bend from 0.3 to 0.6 do the same.
     left = np.flatnonzero(verdict == KEPT)
-    # Blocks have many that are equal but for rounding errors, which turning them changes: there the one with
-    # the larger part first (Hoffman and Singh: relative size), so that both ends of a U are cut alike.
-    first = np.round(np.log(length[left] / np.sqrt(bend[left])), 9)
-    order = left[np.lexsort((left, -np.round(share[large[left]], 9), first))]
+    order = left[_in_turn(length[left], bend[left], share[large[left]])]
     halves = (share[large] > HALF) & (length > NARROW * np.sqrt(area[polygon[large]]))
-    verdict[order] = one_by_one(
-        polygons, outline, corner[order], length[order], halves[order], plane, terms, area, smallest
-    )
+    edges, corner = edges[order], corner[order]
+    turn = _turns(polygons, corner, polygons.xy[edges[:, ::-1]])
+    tried = corner, length[order], halves[order], _term(*plane[corner.T]), turn
+    barred, asked, way_share = {}, order[:0], share[:0]
+    if ways is not None and len(ways.ends):
+        corner, whole, water, term = _measured(polygons, ways, measure, origin)
+        way_share = _shares(term, terms, area, polygons, corner)
+        bend = bends(outline, ring, corner, whole).sum(axis=1)
+        asked = np.flatnonzero(bend >= BENT)
+        asked = asked[_in_turn(water[asked], bend[asked], way_share[asked])]
+        barred = _barred(polygons, ways, edges, asked)
+        halves, turn = np.zeros(len(corner), dtype=bool), _turns(polygons, corner, ways.toward)
+        last = corner, whole, halves, term, turn
+        tried = tuple(np.concatenate((x, y[asked])) for x, y in zip(tried, last))
+    found = one_by_one(polygons, outline, *tried, terms, area, smallest, barred)
+    verdict[order] = found[: len(order)]
     why[large] = verdict
-    return Natural(why == KEPT, measured, share, why, outline)
+    way = np.zeros(len(way_share), dtype=bool)
+    way[asked] = found[len(order) :] == KEPT
+    return Natural(why == KEPT, measured, share, why, outline, way, way_share)
 
 
-def _terms(plane, offsets):
-    """Shoelace terms of the outline before each corner on its ring, and of whole rings."""
-    (x, y), (x2, y2) = plane.T, plane[following(offsets)].T
-    return running((x * y2 - x2 * y) / 2.0, offsets)  # a hole's are negative
+def _in_turn(length, bend, share):
+    """Short ones first, of about as short ones the sharp ones.
+
+    How sharp a bend is changes with the detail of the data more than how long a cut is: by length / bend, of
+    40 cuts of the ten largest land masses at one detail 88 % had the same ends at another, so 92 %. Powers of
+    the bend from 0.3 to 0.6 do the same. Blocks have many that are equal but for rounding errors, which
+    turning them changes: there the one with the larger part first (Hoffman and Singh: relative size), so that
+    both ends of a U are cut alike.
+    """
+    first = np.round(np.log(length / np.sqrt(bend)), 9)
+    return np.lexsort((np.arange(len(first)), -np.round(share, 9), first))
 
 
-def _shares(plane, terms, ring, polygon_of_ring, polygon_offsets, corner):
-    """Area on the smaller side of each diagonal, as a share of its polygon's; area of each polygon.
+def _measured(polygons, ways, measure, origin):
+    """Of ways over islands: corners at the ends, lengths, those of their water, and shoelace terms."""
+    corner = _corners(polygons, ways.ends, ways.toward)
+    polygon = polygons.polygon_of_ring[polygons.ring_of_corner[corner[:, 0]]]
+    start, here = ways.offsets[:-1], np.arange(len(ways.xy) - 1)
+    step = measure.length(measure.positions(ways.xy), here, here + 1)
+    plane = measure.equal_area(ways.xy) - origin[polygon][groups(ways.offsets)]
+    term = _term(plane[:-1], plane[1:])
+    step[start[1:] - 1] = term[start[1:] - 1] = 0.0  # from one way to the next
+    whole, water = np.add.reduceat(step, start), np.add.reduceat(step[::2], start // 2)
+    return corner, whole, water, np.add.reduceat(term, start)
+
+
+def _barred(polygons, ways, edges, asked):
+    """{place of a way behind the diagonals: those that bar it, and -1 less what only one way may have}.
+
+    It may not cross a diagonal, nor share its islands with another way, nor both ends with either: which of
+    two lies on which side the solver would not know.
+    """
+    n = len(polygons.xy)
+    pair, of_edge = (ends[:, 0] * n + ends[:, 1] for ends in (ways.ends, edges))
+    _, number = np.unique(pair, return_inverse=True)
+    first = int(ways.island.max()) + 1
+    names = [
+        [-1 - first - own, *(-1 - np.unique(island[island >= 0])).tolist()]
+        for own, island in zip(number.ravel().tolist(), np.split(ways.island, ways.offsets[1:-1]))
+    ]
+    stretch, line = ways.xy.reshape(-1, 2, 2), polygons.xy[edges]
+    k, d = shapely.STRtree(shapely.linestrings(line)).query(shapely.linestrings(stretch))
+    way, owner = groups(ways.offsets // 2)[k], polygons.polygon_of_vertex
+    bars = owner[edges[d, 0]] == owner[ways.ends[way, 0]]  # polygons of a layer may overlap
+    bars &= crossing(stretch[k], line[d]) | (pair[way] == of_edge[d])
+    for own, barring in zip(way[bars].tolist(), d[bars].tolist()):
+        names[own].append(barring)
+    return {len(edges) + place: names[own] for place, own in enumerate(asked.tolist())}
+
+
+def _term(here, there):
+    """Shoelace terms of lines."""
+    (x, y), (x2, y2) = here.T, there.T
+    return (x * y2 - x2 * y) / 2.0
+
+
+def _shares(chord, terms, area, polygons, corner):
+    """Area on the smaller side of each diagonal, as a share of its polygon's.
 
     A side is an interval of a ring: two entries of the prefix sums of the shoelace terms, and the
     term of the diagonal. NaN where the ends lie on two rings. Holes on the side count as part of it,
     and those of a polygon as part of that. O(n + k).
     """
     passed, whole = terms
-    area = whole[polygon_offsets[:-1]]
     u, v = corner.T
-    (x, y), (x2, y2) = plane[u].T, plane[v].T
-    side = passed[v] - passed[u] + (x2 * y - x * y2) / 2.0
-    smaller = np.minimum(np.abs(side), np.abs(whole[ring[u]] - side))
-    return np.where(ring[u] == ring[v], smaller / area[polygon_of_ring[ring[u]]], np.nan), area
+    ring = polygons.ring_of_corner[u]
+    side = passed[v] - passed[u] - chord
+    side = np.where(u < v, side, side + whole[ring])
+    smaller = np.minimum(np.abs(side), np.abs(whole[ring] - side))
+    return np.where(
+        ring == polygons.ring_of_corner[v], smaller / area[polygons.polygon_of_ring[ring]], np.nan
+    )
 
 
 def generalised(
@@ -580,10 +679,12 @@ def one_by_one(
     corner: np.ndarray,
     length: np.ndarray,
     halves: np.ndarray,
-    plane: np.ndarray,
+    chord: np.ndarray,
+    turn: np.ndarray,
     terms: tuple,
     area: np.ndarray,
     smallest: np.ndarray,
+    barred: dict[int, list],
 ) -> np.ndarray:
     """Cut along one diagonal after the other, where what is left of the outline still allows it.
 
@@ -600,12 +701,17 @@ def one_by_one(
     length : (k,) float
     halves : (k,) bool
         Those that would halve a body: wide, and with much of the area on both sides.
-    plane : (c, 2) float
-        The corners in a plane with true areas, near its origin.
+    chord : (k,) float
+        Shoelace terms of the diagonals.
+    turn : (k, 2) float
+        Angle at each end from the outline's way on to the diagonal.
     terms : (c,) float, (r,) float
         Shoelace terms of the outline before each corner on its ring, and of each ring.
     area, smallest : (p,) float
         Area of each polygon, holes included, and of its smallest part.
+    barred : dict
+        Which of the diagonals are ways over islands, and what must not be cut for them: earlier diagonals,
+        or a way with the same number below 0. Such a way must part a piece in two.
 
     Returns
     -------
@@ -628,7 +734,10 @@ def one_by_one(
     >>> terms = running((x * y2 - x2 * y) / 2.0, polygons.offsets)
     >>> ends = np.array([[1, 4], [4, 7]])
     >>> halves, area, smallest = np.zeros(2, dtype=bool), np.array([3.0]), np.array([0.1])
-    >>> why = one_by_one(polygons, outline, ends, np.ones(2), halves, xy, terms, area, smallest)
+    >>> chord, turn = np.array([1.0, 0.5]), np.pi * np.array([[0.5, 1.0], [0.5, 1.5]])
+    >>> why = one_by_one(
+    ...     polygons, outline, ends, np.ones(2), halves, chord, turn, terms, area, smallest, {}
+    ... )
     >>> why.tolist() == [KEPT, USED]
     True
     """
@@ -643,10 +752,9 @@ def one_by_one(
     label, area, smallest = polygon.tolist(), area.tolist(), smallest[polygon].tolist()
     before, after, term = before.tolist(), after.tolist(), term.tolist()
     point = list(map(tuple, _at(outline, ring[places], outline.along[places]).tolist()))
-    (x, y), (x2, y2) = plane[corner[:, 0]].T, plane[corner[:, 1]].T
-    chord = ((x * y2 - x2 * y) / 2.0).tolist()
+    chord, turn = chord.tolist(), turn.tolist()
     ends = np.searchsorted(places, corner).tolist()
-    turn = _turns(polygons, corner).tolist()
+    taken = set()  # what ways have
     cuts, pieces = {}, {}  # at each place: the directions of its cuts, and the place in each piece
     verdict = np.full(len(corner), KEPT, dtype=np.int8)
     for k, ((u, v), (at_u, at_v), reach) in enumerate(zip(ends, turn, (REACH * length).tolist())):
@@ -659,9 +767,8 @@ def one_by_one(
         if bend < LEFT:
             verdict[k] = USED
             continue
-        if halves[
-            k
-        ]:  # beside an even limb a side has two right angles; what both have more sums to the bends
+        if halves[k]:
+            # beside an even limb a side has two right angles; what both have more sums to the bends
             one = _bend_at(point[a], point[b], on_a) + _bend_at(point[b], back_b, point[a]) + 180.0
             if max(one, bend - one) + max(min(one, bend - one), 0.0) / 2.0 < OPEN:
                 verdict[k] = EVEN
@@ -669,6 +776,11 @@ def one_by_one(
         # without holes the two labels are one; a hole may still have that of a larger piece
         piece = min(label[a], label[b], key=area.__getitem__)
         begin, of_piece = _shorter_way(a, b, after, term)
+        if k in barred and (
+            begin is None or any(x in taken if x < 0 else verdict[x] == KEPT for x in barred[k])
+        ):
+            verdict[k] = USED
+            continue
         if begin is not None:
             of_piece += chord[k] if begin == b else -chord[k]
             if min(of_piece, area[piece] - of_piece) < smallest[u]:
@@ -678,6 +790,7 @@ def one_by_one(
             area.append(of_piece)
             for place in _way(begin, a + b - begin, after):
                 label[place] = len(area) - 1
+        taken.update(barred.get(k, ()))
         # one piece begins at a, runs on to b and back; the other at the copy of b, to that of a
         copy_a, copy_b = len(point), len(point) + 1
         point += [point[a], point[b]]
@@ -839,8 +952,11 @@ def _walk(place, link, point, reach):
     return point[here]
 
 
-def _corners(polygons, edges):
-    """(k, 2) int: the corners at the ends of diagonals; where rings touch, those they leave from."""
+def _corners(polygons, edges, toward=None):
+    """(k, 2) int: the corners at the ends of diagonals; where rings touch, those they leave from.
+
+    Those of ways are not straight: ``toward`` is where they first lead to, from either end.
+    """
     corner_of = np.empty(len(polygons.xy), dtype=np.int64)
     corner_of[polygons.vertex] = np.arange(len(polygons.vertex))
     corner = corner_of[edges]
@@ -852,20 +968,19 @@ def _corners(polygons, edges):
     before = np.empty(len(polygons.vertex), dtype=np.int64)
     before[polygons.next_corner] = np.arange(len(before))
     for k, end in np.argwhere(shared[edges]):
-        u, v = edges[k, end], edges[k, 1 - end]
+        u = edges[k, end]
         several = order[first[u] : first[u + 1]]
-        to = polygons.xy[[v]] - polygons.xy[u]
+        to = (polygons.xy[edges[k, [1 - end]]] if toward is None else toward[k, [end]]) - polygons.xy[u]
         on = polygons.xy[polygons.vertex[polygons.next_corner[several]]] - polygons.xy[u]
         back = polygons.xy[polygons.vertex[before[several]]] - polygons.xy[u]
         corner[k, end] = several[np.argmax(_angle(on, back) - _angle(on, to))]
     return corner
 
 
-def _turns(polygons, corner):
+def _turns(polygons, corner, toward):
     """(k, 2) float: angle at each end from the outline's way on to the diagonal, inside."""
     xy = polygons.xy[polygons.vertex]
-    here, there = xy[corner], xy[corner[:, ::-1]]
-    return _angle(xy[polygons.next_corner[corner]] - here, there - here)
+    return _angle(xy[polygons.next_corner[corner]] - xy[corner], toward - xy[corner])
 
 
 def _angle(a, b):

@@ -110,7 +110,14 @@ def nest(
     selection = select(prepared, tau[problem.owner], check=stretch(check, 0.0, 0.2), with_dilation=False)
     found = hierarchy(prepared, selection, stretch(check, 0.2, 1.0))
     selected, tree = selection.selected, selection.carved.tree
-    parts = build_parts(prepared.polygons, selection.carved.walk, selected, tree, prepared.measure.equal_area)
+    parts = build_parts(
+        prepared.polygons,
+        selection.carved.walk,
+        selected,
+        tree,
+        prepared.measure.equal_area,
+        over=prepared.over,
+    )
 
     feature = problem.owner[prepared.owner[selected]]
     cuts = problem.solved[prepared.owner[selected]]
@@ -379,6 +386,7 @@ def shapes(problem: Problem, nested: Nested, items: Items, polygons: Callable[..
             parts,
             made.leaf[ranges(made.first[own], size)],
             offsets_of(size),
+            over=problem.prepared.over,
         ):
             hi = lo + len(ring_offsets) - 1
             yield from polygons(which[lo:hi], rows, offsets, ring_offsets)

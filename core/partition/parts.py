@@ -17,7 +17,7 @@ from .carving import Walk
 from .dual_tree import build_tree
 from .polygon import Polygons
 
-__all__ = ["Faces", "Parts", "build_parts", "faces_of", "merged_parts"]
+__all__ = ["Faces", "Over", "Parts", "build_parts", "faces_of", "merged_parts"]
 
 _CUT = np.iinfo(np.int64).min
 
@@ -70,7 +70,7 @@ class Faces(NamedTuple):
     polygon : (f,) int
         The polygon of each face.
     face, place, edge : (h,) int
-        For each half-edge its face, the place where it starts, and the walk's edge.
+        For each half-edge its face, the place where it starts, and the walk's edge; of cut c it is _CUT + c.
     order : (h,) int
         The half-edges by face, those of a face in the order of its boundary.
     """
@@ -83,6 +83,26 @@ class Faces(NamedTuple):
     place: np.ndarray
     edge: np.ndarray
     order: np.ndarray
+
+
+class Over(NamedTuple):
+    """Which edges are ways over islands that no walk passes (`gates.Gates`).
+
+    Attributes
+    ----------
+    gate : (k,) int
+        The way of each, -1 for a diagonal.
+    vertex, offsets
+        See `gates.Gates`.
+    """
+
+    gate: np.ndarray
+    vertex: np.ndarray
+    offsets: np.ndarray
+
+    def way(self, k: int) -> np.ndarray:
+        """The vertices of a way."""
+        return self.vertex[self.offsets[k] : self.offsets[k + 1]]
 
 
 def faces_of(walk: Walk, selected: np.ndarray, tree: np.ndarray) -> Faces:
@@ -113,7 +133,7 @@ def faces_of(walk: Walk, selected: np.ndarray, tree: np.ndarray) -> Faces:
     polygon = np.arange(count)
     polygon[below] = groups(walk.offsets)[i]
     face, place = np.concatenate((faces.edge_face, above, below)), np.concatenate((np.arange(m), i, j))
-    edge = np.concatenate((walk.edge, np.full(2 * len(cuts), _CUT)))
+    edge = np.concatenate((walk.edge, _CUT + np.arange(len(cuts)), _CUT + np.arange(len(cuts))))
     order = np.argsort(face * m + place, kind="stable")
     return Faces(is_cut, below, above, polygon, face, place, edge, order)
 
@@ -125,6 +145,7 @@ def build_parts(
     tree: np.ndarray,
     equal_area: Callable,
     faces: Faces | None = None,
+    over: Over | None = None,
 ) -> Parts:
     """Split polygons along their selected edges.
 
@@ -140,6 +161,8 @@ def build_parts(
         See `metric.Metric`.
     faces : Faces, optional
         Where they are known: see `faces_of`.
+    over : Over, optional
+        The ways over islands among the edges.
 
     Returns
     -------
@@ -172,8 +195,9 @@ def build_parts(
     place, edge = faces.place[faces.order], faces.edge[faces.order]
     bounds = offsets_of(np.bincount(faces.face, minlength=count))
 
-    owner, corners, offsets = _rings(polygons, walk, bounds, place, edge)
-    free, target = _free_holes(polygons, walk, faces.polygon, owner, corners, offsets)
+    ways = _Ways(polygons, faces, selected, tree, over) if over is not None else None
+    owner, corners, offsets = _rings(polygons, walk, bounds, place, edge, ways)
+    free, target = _free_holes(polygons, walk, ways, faces.polygon, owner, corners, offsets)
     owner, corners, offsets = _with_holes(polygons, owner, corners, offsets, free, target)
     plane = equal_area(polygons.corner_xy).take(corners, axis=0)
     area = np.bincount(owner, weights=signed_areas(plane, offsets), minlength=count)
@@ -205,6 +229,7 @@ def merged_parts(
     pieces: np.ndarray,
     offsets: np.ndarray,
     most: int = 2_000_000,
+    over: Over | None = None,
 ) -> Iterator:
     """Yield what `build_parts` makes of unions of parts, without the cuts between their pieces.
 
@@ -220,6 +245,8 @@ def merged_parts(
         Where the pieces of each union start.
     most : int
         Half-edges that are worked on at once, or those of one union: a body may come again and again.
+    over : Over, optional
+        See `build_parts`.
 
     Yields
     ------
@@ -261,14 +288,16 @@ def merged_parts(
     cut = np.append(np.full(m, -1), np.tile(np.arange(len(below)), 2))
     polygon_of_part = np.repeat(np.arange(roots), np.diff(parts.part_offsets))
 
+    ways = _Ways(polygons, faces, selected, tree, over) if over is not None else None
     finest = _rings(
         polygons,
         walk,
         offsets_of(np.bincount(faces.face, minlength=len(number))),
         faces.place[faces.order],
         faces.edge[faces.order],
+        ways,
     )
-    free, target = _free_holes(polygons, walk, faces.polygon, *finest)
+    free, target = _free_holes(polygons, walk, ways, faces.polygon, *finest)
     by_target = np.argsort(number[target], kind="stable")
     free_start = np.searchsorted(number[target[by_target]], np.arange(len(number) + 1))
 
@@ -284,7 +313,7 @@ def merged_parts(
         # a cut with both half-edges in a union is inside
         sides = np.flatnonzero(cut[half] >= 0)
         key = of[sides] * len(below) + cut[half[sides]]
-        _, which, times = np.unique(key, return_inverse=True, return_counts=True)
+        inside, which, times = np.unique(key, return_inverse=True, return_counts=True)
         kept = np.ones(len(half), dtype=bool)
         kept[sides[times[which] == 2]] = False
         half, of = half[kept], of[kept]
@@ -296,28 +325,84 @@ def merged_parts(
             np.searchsorted(of, np.arange(hi - lo + 1)),
             faces.place[half],
             faces.edge[half],
+            ways,
         )
         index, its = take(free_start, own)
-        owner, corners, rings = _with_holes(
-            polygons, owner, corners, rings, free[by_target[index]], np.repeat(union, np.diff(its))
-        )
+        holes, of = free[by_target[index]], np.repeat(union, np.diff(its))
+        if ways is not None:  # the islands of a way inside are holes again
+            its_union, number = np.divmod(inside[times == 2], len(below))
+            of_inside, islands = ways.islands(ways.of_cut[number])
+            holes, of = np.append(holes, islands), np.append(of, its_union[of_inside])
+        owner, corners, rings = _with_holes(polygons, owner, corners, rings, holes, of)
         polygon = polygon_of_part[pieces[offsets[lo:hi]]]
         yield _rows(polygons, owner, corners, rings, hi - lo, polygon[owner])
         lo = hi
 
 
-def _rings(polygons, walk, bounds, place, edge):
+class _Ways:
+    """Ways over islands among cuts: what they add to the boundaries of faces, and what they leave open."""
+
+    def __init__(self, polygons, faces, selected, tree, over):
+        self.polygons, self.over = polygons, over
+        self.of_cut, self.of_tree = over.gate[selected[faces.is_cut]], over.gate[tree]
+        self.corner_of = np.empty(len(polygons.xy), dtype=np.int64)
+        self.corner_of[polygons.vertex] = np.arange(len(polygons.vertex))
+
+    def opened(self, walk, bounds, place, edge):
+        """Half-edges of faces with those along the islands; a place beyond the walk is a corner."""
+        cut = np.flatnonzero(edge < 0)
+        number = edge[cut] - _CUT
+        by_tree = number >= len(self.of_cut)
+        way = np.empty(len(cut), dtype=np.int64)
+        way[by_tree], way[~by_tree] = self.of_tree[-1 - edge[cut[by_tree]]], self.of_cut[number[~by_tree]]
+        cut, way = cut[way >= 0], way[way >= 0]
+        if not len(cut):
+            return bounds, place, edge
+        polygons, m = self.polygons, len(walk.corner)
+        start = polygons.vertex[walk.corner[place[cut]]]
+        after, places, edges = [], [], []
+        for k, own, begin in zip(cut.tolist(), way.tolist(), start.tolist()):
+            vertex = self.over.way(own)
+            vertex = vertex if vertex[0] == begin else vertex[::-1]
+            for land, leave in self.corner_of[vertex[1:-1]].reshape(-1, 2).tolist():
+                lo, hi = polygons.offsets[polygons.ring_of_corner[land] + np.arange(2)]
+                path = lo + np.arange(land - lo, land - lo + (leave - land) % (hi - lo)) % (hi - lo)
+                places += [m + path, [m + leave]]
+                edges += [path, [_CUT]]
+                after.append(np.full(len(path) + 1, k + 1))
+        after = np.concatenate(after)
+        return (
+            bounds + np.searchsorted(np.sort(after), bounds, side="right"),
+            np.insert(place, after, np.concatenate(places)),
+            np.insert(edge, after, np.concatenate(edges)),
+        )
+
+    def islands(self, ways):
+        """The rings on ways: for each the place of its way, and its number."""
+        some = np.flatnonzero(ways >= 0)
+        index, offsets = take(self.over.offsets, ways[some])
+        inner = np.ones(len(index), dtype=bool)
+        inner[offsets[:-1]] = inner[offsets[1:] - 1] = False
+        landing = self.corner_of[self.over.vertex[index[inner][::2]]]
+        return np.repeat(some, np.diff(offsets) // 2 - 1), self.polygons.ring_of_corner[landing]
+
+
+def _rings(polygons, walk, bounds, place, edge, ways):
     """Rings of corners: the face of each, all corners, and where each ring starts."""
+    corner_at = walk.corner
+    if ways is not None:
+        bounds, place, edge = ways.opened(walk, bounds, place, edge)
+        corner_at = np.append(corner_at, np.arange(len(polygons.vertex)))
     if polygons.apart and not (walk.edge < 0).any():
         owner, index, offsets = np.arange(len(bounds) - 1), slice(None), bounds
     else:
-        index, offsets, owner = cycles(polygons.vertex[walk.corner[place]], bounds)
+        index, offsets, owner = cycles(polygons.vertex[corner_at[place]], bounds)
     edge, place = edge[index], place[index]
     # half-edges become the corners where they start
     corner, before, cut = edge.copy(), previous(offsets), np.flatnonzero(edge < 0)
     edge_before = edge[before[cut]]
     after = polygons.next_corner[np.maximum(edge_before, 0)]
-    corner[cut] = np.where(edge_before >= 0, after, walk.corner[place[cut]])
+    corner[cut] = np.where(edge_before >= 0, after, corner_at[place[cut]])
     if not polygons.inserted.any():
         return owner, corner, offsets
     # an inserted corner was only needed to walk; along its edge nobody shall see it
@@ -328,12 +413,14 @@ def _rings(polygons, walk, bounds, place, edge):
     return owner, corner[~needless], offsets_of(kept)
 
 
-def _free_holes(polygons, walk, polygon_of, owner, corners, offsets):
+def _free_holes(polygons, walk, ways, polygon_of, owner, corners, offsets):
     """The rings that the walks leave out, and the face that contains each."""
     walked = np.zeros(len(polygons.offsets) - 1, dtype=bool)
     if len(walked) == len(polygons.unit):  # no holes
         return np.empty((2, 0), dtype=np.int64)
     walked[polygons.ring_of_corner[walk.corner]] = True
+    if ways is not None:
+        walked[ways.islands(np.append(ways.of_cut, ways.of_tree))[1]] = True
     free = np.flatnonzero(~walked)
     if not len(free):
         return free, free

@@ -22,10 +22,11 @@ from .carving import Walk, carve, spanning_tree
 from .dilation import at_least_one, boundary_graph, detours, drop_redundant, largest_dilation, true_dilations
 from .dual_tree import build_tree
 from .feet import Places, along_edges, with_feet
+from .gates import Gates, gates
 from .min_size import LEAF, ROOT, SELF, SLACK, Network, min_size, network, witness_lengths
 from .min_weight import min_weight
 from .natural import KEPT, RULES, SMALL
-from .parts import Faces, Parts, build_parts, faces_of
+from .parts import Faces, Over, Parts, build_parts, faces_of
 from .polygon import Polygons, boundary_components, from_rings
 
 __all__ = ["Partition", "Prepared", "Selection", "finish", "partition", "prepare", "select", "without_vertex"]
@@ -54,7 +55,7 @@ class Prepared(NamedTuple):
     owner : (k,) int
         The polygon of each.
     chord : (k,) float
-        Straight length of each edge.
+        Straight length of each edge; of a gate that of its water.
     length : (k,) float
         What the solver takes for it: the chord, or the way along the generalised outline where that is
         shorter, so that these lengths keep the triangle inequality.
@@ -84,6 +85,9 @@ class Prepared(NamedTuple):
     places : feet.Places or None
         Where a cut was not possible for want of such a vertex, in the vertices and corners of the
         polygons; None where that was not looked for.
+    gate : (k,) int or None
+        Which of the gates each edge is, -1 for a diagonal; None where all are diagonals.
+    gates : gates.Gates or None
     """
 
     polygons: Polygons
@@ -107,11 +111,45 @@ class Prepared(NamedTuple):
     edge_line: np.ndarray | None
     new_rows: np.ndarray
     places: Places | None
+    gate: np.ndarray | None
+    gates: Gates | None
 
     @property
     def edge_rows(self) -> np.ndarray:
         """(k, 2) int: input rows at the ends of the edges."""
         return self.polygons.row_of_vertex[self.edges]
+
+    def way_rows(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """The rows of the lines along some edges: both ends, and None; or all rows, and where each begins.
+
+        The line of a gate crosses its islands.
+        """
+        ends = self.edge_rows[which]
+        if self.gate is None or self.gates is None or not (own := self.gate[which] >= 0).any():
+            return ends, None
+        index, its = take(self.gates.offsets, self.gate[which[own]])
+        size = np.full(len(which), 2)
+        size[own] = np.diff(its)
+        offsets = offsets_of(size)
+        rows = np.empty(offsets[-1], dtype=np.int64)
+        rows[offsets[:-1]], rows[offsets[1:] - 1] = ends.T
+        rows[ranges(offsets[:-1][own], size[own])] = self.polygons.row_of_vertex[self.gates.vertex[index]]
+        return rows, offsets
+
+    @property
+    def over(self) -> Over | None:
+        """The gates as `parts.build_parts` wants them."""
+        return None if self.gate is None or self.gates is None else Over(self.gate, *self.gates)
+
+    @property
+    def toward(self) -> np.ndarray:
+        """(k, 2) int: the vertices toward which the edges leave either end."""
+        toward = self.edges[:, ::-1]
+        if self.gate is not None and self.gates is not None:
+            toward, own = toward.copy(), np.flatnonzero(self.gate >= 0)
+            start, end = (self.gates.offsets[self.gate[own] + k] for k in (0, 1))
+            toward[own] = self.gates.vertex[np.column_stack((start + 1, end - 2))]
+        return toward
 
     @property
     def with_holes(self) -> np.ndarray:
@@ -191,7 +229,7 @@ class Partition(NamedTuple):
     edge_rows : (k, 2) int
         Input rows at these ends.
     length : (k,) float
-        Straight length, in units of the metric.
+        Straight length, in units of the metric; of a gate that of its water.
     detour : (k,) float
         Dilation in P before any cut; infinite where only a cut connects the ends.
     share
@@ -241,6 +279,7 @@ def partition(
     min_hole: float = 0.0,
     lines: np.ndarray | None = None,
     new_vertices: bool = False,
+    over_islands: bool = True,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     weigh: Callable | None = None,
@@ -277,6 +316,8 @@ def partition(
         Whether cuts may also end inside edges, at the foot of a perpendicular from a concave vertex
         (see `feet.with_feet`). Those that a cut uses become vertices: rows of ``new_rows``. With lines
         given it has no effect.
+    over_islands : bool
+        Whether natural candidates may lead over islands that are too small to count (see `gates.gates`).
     measure : metric.Metric, optional
         Default: `metric.planar()`.
     engine : str, optional
@@ -325,6 +366,7 @@ def partition(
         lines=None if lines is None else [lines],
         new_vertices=new_vertices,
         measure=measure,
+        over_islands=over_islands,
         engine=engine,
         check=stretch(check, 0.0, 0.65),
     )
@@ -357,6 +399,7 @@ def prepare(
     min_hole: float | np.ndarray = 0.0,
     lines: list | None = None,
     new_vertices: bool = False,
+    over_islands: bool = True,
     measure: metric.Metric | None = None,
     engine: str | None = None,
     check: Callable = ignore,
@@ -372,7 +415,7 @@ def prepare(
         For all polygons or each; see `partition`.
     lines : list of (l, 2, 2) float, optional
         For each polygon the candidates to use; see `partition`.
-    new_vertices, measure, engine
+    new_vertices, over_islands, measure, engine
         See `partition`.
     check : callable, optional
         Called with the share done; may raise `Cancelled`.
@@ -398,7 +441,7 @@ def prepare(
     measure = measure or metric.planar()
     check(0.0)
     polygons, verdict = from_rings(rings)
-    sizes = (smallest, min_length, np.maximum(min_hole, smallest))
+    sizes = (smallest, min_length, np.maximum(min_hole, smallest), min_hole)
     limits = _Limits(*(np.broadcast_to(np.asarray(x, dtype=float), len(verdict)) for x in sizes))
     check(0.15)
     if lines is None:
@@ -407,6 +450,7 @@ def prepare(
             rings,
             limits,
             only_natural=natural,
+            over_islands=natural and over_islands,
             new_vertices=new_vertices,
             measure=measure,
             engine=engine,
@@ -584,6 +628,7 @@ def finish(
             carved.tree,
             prepared.measure.equal_area,
             selection.faces,
+            prepared.over,
         ),
         lines=prepared.lines,
         edge_line=prepared.edge_line,
@@ -702,6 +747,7 @@ class _Limits(NamedTuple):
     smallest: np.ndarray
     min_length: np.ndarray
     min_hole: np.ndarray
+    any_hole: np.ndarray  # as told, though the smallest part may be larger
 
 
 class _Boundary(NamedTuple):
@@ -723,7 +769,7 @@ class _Candidates(NamedTuple):
     edges : (k, 2) int
     chosen : (k,) bool
         The others may be edges of T, but are no candidates.
-    share, edge_line, natural, set_aside, lines, new_rows, places
+    share, edge_line, natural, set_aside, lines, new_rows, places, gate, gates
         See `Prepared`.
     outline : (c,) float or None
         See ``edge_length`` of `candidates.Diagonals`.
@@ -742,6 +788,8 @@ class _Candidates(NamedTuple):
     lines: list[Lines] | None
     new_rows: np.ndarray
     places: Places | None
+    gate: np.ndarray | None
+    gates: Gates | None
 
 
 def _boundary(polygons, measure, min_hole):
@@ -749,7 +797,7 @@ def _boundary(polygons, measure, min_hole):
     return _Boundary(component, *counted(polygons, component, measure.equal_area, min_hole[polygons.number]))
 
 
-def _diagonals(polygons, rings, limits, *, only_natural, new_vertices, measure, engine, check):
+def _diagonals(polygons, rings, limits, *, only_natural, over_islands, new_vertices, measure, engine, check):
     """The candidates among the diagonals of triangulations (section 4.2)."""
     boundary = _boundary(polygons, measure, limits.min_hole)
     new_rows, known = np.empty((0, rings.coords.shape[1])), None
@@ -762,6 +810,19 @@ def _diagonals(polygons, rings, limits, *, only_natural, new_vertices, measure, 
         boundary = _boundary(polygons, measure, limits.min_hole)
         if (free != ~boundary.wanted[boundary.component]).any():
             known = None  # a vertex more changed the area of a hole by its last bit
+    found_gates = None
+    if over_islands:
+        number = polygons.number
+        found_gates = gates(
+            polygons,
+            boundary.component,
+            boundary.wanted,
+            limits.smallest[number],
+            limits.any_hole[number],
+            measure=measure,
+            engine=engine,
+            check=check,
+        )
     generalise = only_natural or bool((limits.smallest > 0.0).any())
     found = from_triangulation(
         polygons,
@@ -771,6 +832,7 @@ def _diagonals(polygons, rings, limits, *, only_natural, new_vertices, measure, 
         engine=engine,
         smallest=limits.smallest[polygons.number] if generalise else None,
         only_natural=only_natural,
+        gates=found_gates,
         known=known,
         with_places=not new_vertices,
         check=stretch(check, 0.15, 0.7),
@@ -797,6 +859,8 @@ def _diagonals(polygons, rings, limits, *, only_natural, new_vertices, measure, 
         lines=None,
         new_rows=new_rows,
         places=_long_enough(polygons, found.places, limits.min_length),
+        gate=found.gate,
+        gates=found_gates,
     )
 
 
@@ -834,6 +898,8 @@ def _from_lines(polygons, rings, lines, limits, measure):
         lines=accepted,
         new_rows=np.empty((0, rings.coords.shape[1])),
         places=None,
+        gate=None,
+        gates=None,
     )
 
 
@@ -842,7 +908,11 @@ def _measured(found, verdict, limits, measure):
     polygons, edges = found.polygons, found.edges
     owner = polygons.polygon_of_vertex[edges[:, 0]]
     position = measure.positions(polygons.xy)
-    chord = measure.length(position, edges[:, 0], edges[:, 1]) * polygons.unit[owner]
+    chord = measure.length(position, edges[:, 0], edges[:, 1])
+    if found.gate is not None:
+        own = np.flatnonzero(found.gate >= 0)
+        chord[own] = found.gates.lengths(position, measure)[found.gate[own]]
+    chord *= polygons.unit[owner]
     edge_length = measure.length(position, polygons.vertex, polygons.next_vertex)
     edge_length = edge_length * spread(polygons.unit, polygons.corner_offsets)
     if found.outline is not None:
@@ -869,6 +939,8 @@ def _measured(found, verdict, limits, measure):
         edge_line=found.edge_line,
         new_rows=found.new_rows,
         places=found.places,
+        gate=found.gate,
+        gates=found.gates,
     )
     attachable = found.boundary.attachable
     return prepared if attachable.all() else _with_edges(prepared, attachable[edges].all(axis=1))
@@ -892,7 +964,11 @@ def _connected(prepared, problem, min_hole):
 def _with_tree(prepared):
     """T, with no edges but T and the candidates; for each polygon '', or why it has no T."""
     polygons, component, wanted = prepared.polygons, prepared.component, prepared.wanted
-    tree, apart = spanning_tree(polygons, component, prepared.edges, prepared.chord, wanted)
+    straight = slice(None) if prepared.gate is None else np.flatnonzero(prepared.gate < 0)
+    edges, chord = prepared.edges[straight], prepared.chord[straight]
+    tree, apart = spanning_tree(polygons, component, edges, chord, wanted)
+    if prepared.gate is not None:
+        tree = straight[tree]
     needed = prepared.bounded | _mask(tree, len(prepared.edges))
     if not needed.all():
         prepared = _with_edges(prepared, needed)
@@ -902,7 +978,7 @@ def _with_tree(prepared):
 
 def _with_edges(prepared, kept):
     """With some of the edges."""
-    names = ("edges", "owner", "chord", "length", "share", "bounded", "edge_line")
+    names = ("edges", "owner", "chord", "length", "share", "bounded", "edge_line", "gate")
     own = ((name, getattr(prepared, name)) for name in names)
     return prepared._replace(**{name: x[kept] for name, x in own if x is not None})
 
@@ -925,6 +1001,7 @@ def _with_polygons(prepared, good, min_hole):
         owner=np.searchsorted(which, prepared.owner),
         edge_length=prepared.edge_length[corner],
         places=places,
+        gates=prepared.gates and prepared.gates._replace(vertex=number[prepared.gates.vertex]),
     )
 
 
@@ -971,7 +1048,7 @@ def _connection_problems(polygons, component, wanted, apart):
 def _carve(prepared, tree):
     """The carved polygons, and where the rings cannot be connected."""
     polygons, edges, length = prepared.polygons, prepared.edges, prepared.length
-    walk, ambiguous = carve(polygons, prepared.component, edges, tree, prepared.wanted)
+    walk, ambiguous = carve(polygons, prepared.component, edges, tree, prepared.wanted, prepared.toward)
     if ambiguous.any():
         return None, ambiguous
     free, i, j, own = np.arange(len(edges)), walk.i, walk.j, length

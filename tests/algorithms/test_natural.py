@@ -98,3 +98,39 @@ def test_preparation_of_areas_at_natural_places(run, coasts):
     assert run("isthmus:prepareaggregation", options)["PIECE_COUNT"] > 10
     natural = {**options, "PLACES": "Natural", "SMALLEST_PART": 1, "TAU": 3}
     assert run("isthmus:prepareaggregation", natural)["PIECE_COUNT"] == 4
+
+
+# a bay above a sea; an island below the smallest part that fills four fifths of its mouth
+BAY = [(-20, 0), (30, 0), (30, 20), (10, 20), (20, 40), (-10, 40), (0, 20), (-20, 20)]
+ISLAND = [(1, 20), (5, 19.5), (9, 20), (5, 20.5)]
+OVER = {"SMALLEST_PART": 5, "OUTPUT": "memory:", "CUTS": "memory:"}
+
+
+def measured_wkt(*rings):
+    told = (",".join(f"{x} {y} {x - y}" for x, y in [*ring, ring[0]]) for ring in rings)
+    return "POLYGON M (%s)" % ",".join(f"({ring})" for ring in told)
+
+
+@pytest.fixture
+def bay(layer):
+    return layer("PolygonM?crs=EPSG:3857", [(measured_wkt(BAY, ISLAND), [])])
+
+
+@pytest.mark.parametrize("tool", ["partition", "partitionbudget", "hierarchy"])
+def test_a_cut_over_an_island_is_one_line_and_as_long_as_its_water(run, bay, tool):
+    more = {"partition": {"TAU": 3}, "partitionbudget": {"BUDGET": 1}, "hierarchy": {"TAU": 1}}[tool]
+    results = run(f"isthmus:{tool}", {"INPUT": bay, **OVER, **more})
+    over = [c for c in rows(results["CUTS"]) if len(c["geometry"].asWkt().split(",")) > 2]
+    assert len(over) == 1 and over[0]["length"] == pytest.approx(2)
+    points = [(v.x(), v.y(), v.m()) for v in over[0]["geometry"].vertices()]
+    assert sorted(points) == [(0, 20, -20), (1, 20, -19), (9, 20, -11), (10, 20, -10)]
+    parts = [row for row in rows(results["OUTPUT"]) if row.get("level", 0) == 0]
+    assert all(row["geometry"].isGeosValid() for row in parts)
+    assert sum(row["geometry"].area() for row in parts) == pytest.approx(1000 + 400 - 4)
+    if tool == "hierarchy":  # once the cut is gone the island is a hole again
+        whole = max(rows(results["OUTPUT"]), key=lambda row: row["geometry"].area())["geometry"]
+        assert whole.area() == pytest.approx(1396) and whole.isGeosValid()
+        assert whole.constGet().numInteriorRings() == 1
+    else:
+        assert results["CUT_COUNT"] == 1 and len(parts) == 2
+        assert all(row["geometry"].constGet().numInteriorRings() == 0 for row in parts)

@@ -481,6 +481,7 @@ UNNAMED = {
     "Georgian Bay, Main Channel": (-81.7, 45.4),
     "Georgian Bay, Little Current": (-81.7, 45.9),
     "the North Channel": (-82.7, 46.1),
+    "the North Channel, De Tour to the Mississagi Strait": (-83.6, 46.0),
     "the Gulf of Bahrain": (50.6, 26.2),
 }
 
