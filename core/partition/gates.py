@@ -121,7 +121,7 @@ def gates(
     kept = island[ring] | wanted[component[ring]]
     whole, shore = some, ~island[ring[kept]]
     some, of_whole = without_rings(whole, ~kept)
-    triangles, verdict = triangulate(
+    triangles, verdict, _ = triangulate(
         some, conformal=measure.conformal, engine=engine, check=lambda share=None: check()
     )
     if (verdict != "").any():

@@ -489,14 +489,20 @@ def test_greedy_passes_over_no_core_that_is_cheaper(by_class, monkeypatch):
         assert found.core.tolist() == other.core.tolist()
 
 
-def test_exact_of_forty_areas_by_columns_and_cuts():
-    """More pairs than are in the first relaxation: what is left out is proven to be of no use."""
-    problem = random_map(12, n=42, boundary=2.0)._replace(theta=np.full(3, 15.0))
-    begin = annealing(problem, seed=3, iterations=60_000)
-    result = exact(problem, seconds=60.0, decompose=False, begin=begin)
-    check(problem, result.found)
-    assert result.bound <= costs(problem, result.found).total * (1 + 1e-9)
-    assert result.bound >= 0.95 * costs(problem, result.found).total
+@needs_highs
+@pytest.mark.parametrize("seed", [2, 5, 7, 12])
+def test_pairs_that_are_left_out_at_first_come_in_where_they_are_needed(seed, monkeypatch):
+    problem = random_map(seed, n=26, boundary=2.0)._replace(theta=np.full(3, 15.0))
+    results = [exact(problem, seconds=60.0, decompose=False, begin=greedy(problem))]
+    for name, value in {"ALL_PAIRS": 50, "NEAREST": 3, "BALL": 3, "MORE": 2}.items():
+        monkeypatch.setattr(f"isthmus.core.aggregation.exact.{name}", value)
+    results.append(exact(problem, seconds=60.0, decompose=False, begin=greedy(problem)))
+    assert results[1].rounds > results[0].rounds
+    total = costs(problem, results[0].found).total
+    for result in results:
+        check(problem, result.found)
+        assert result.proven
+        assert result.bound == pytest.approx(total) == costs(problem, result.found).total
 
 
 @needs_highs
