@@ -51,7 +51,7 @@ class Noded(NamedTuple):
     splits: np.ndarray
 
 
-def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
+def node(xy: np.ndarray, edges: np.ndarray, check: Callable, gap: float = 0.0) -> Noded:
     """Split edges where a vertex lies on them, or where they cross.
 
     Parameters
@@ -62,6 +62,9 @@ def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
         Pairs u < v, each once.
     check : callable
         Called now and then; may raise `Cancelled`.
+    gap : float
+        If more than `SNAP`: edges are also split beside vertices that are nearer than this. Then
+        each sliver has short edges across it.
 
     Returns
     -------
@@ -90,6 +93,8 @@ def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
     for _ in range(ROUNDS):
         check()
         edge, at, xy = _meetings(xy, edges, fresh)
+        if not len(edge) and gap > SNAP:
+            (edge, at, xy), gap = _feet(xy, edges, gap), 0.0
         if not len(edge):
             break
         pieces, owner = _split(xy, edges, edge, at)
@@ -136,6 +141,24 @@ def _meetings(xy, edges, fresh):
         edge += [a, b]
         vertex += [number, number]
     return np.concatenate(edge), np.concatenate(vertex), xy
+
+
+def _feet(xy, edges, gap):
+    """Edges and new vertices on them, each beside a vertex that is near."""
+    tree = shapely.STRtree(shapely.linestrings(xy[edges]))
+    vertex, edge = tree.query(shapely.points(xy), predicate="dwithin", distance=gap)
+    own = (edges[edge] == vertex[:, None]).any(axis=1)
+    vertex, edge = vertex[~own], edge[~own]
+    start, along = xy[edges[edge, 0]], xy[edges[edge, 1]] - xy[edges[edge, 0]]
+    length = np.hypot(*along.T)
+    t = ((xy[vertex] - start) * along).sum(axis=1) / length**2
+    inside = (t * length > gap) & ((1.0 - t) * length > gap)
+    edge, points = edge[inside], (start + t[:, None] * along)[inside]
+    if not len(edge):
+        return edge, edge, xy
+    near = _merged(points)
+    first = np.unique(near, return_index=True)[1]
+    return edge, len(xy) + near, np.concatenate((xy, points[first]))
 
 
 def _lies_on(xy, p, edges):
