@@ -2180,8 +2180,8 @@
    <translation>{} von {} relevanten Kanten wurden weggelassen: Ein Ende ist kein Punkt der Karte.</translation>
   </message>
   <message>
-   <source>{} points were put into lines where others meet or cross them.</source>
-   <translation>{} Punkte wurden in Linien eingefügt, wo andere auf sie treffen oder sie kreuzen.</translation>
+   <source>{} points were put into lines where others meet, cross or nearly touch them.</source>
+   <translation>{} Punkte wurden in Linien eingefügt, wo andere auf sie treffen, sie kreuzen oder beinahe berühren.</translation>
   </message>
   <message>
    <source>{} regions were wanted, and {} is as near as thresholds and neighbours allowed by merging and splitting single regions.</source>

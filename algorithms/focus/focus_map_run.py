@@ -193,7 +193,9 @@ def _tell(feedback, result):
         )
     if len(result.splits):
         feedback.pushInfo(
-            tr("{} points were put into lines where others meet or cross them.").format(len(result.splits))
+            tr("{} points were put into lines where others meet, cross or nearly touch them.").format(
+                len(result.splits)
+            )
         )
 
 

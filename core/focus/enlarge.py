@@ -14,7 +14,7 @@ from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
 from .measures import Distortion, distortion
-from .mesh import crossed, frame_triangles, node, others, turned
+from .mesh import cross, crossed, frame_triangles, node, others, turned
 from .selection import select
 
 __all__ = ["FocusMap", "enlarge"]
@@ -568,8 +568,7 @@ def _covered(mesh, land, check):
     check()
     face = connected_components(coo_matrix((np.ones(len(one)), (one, other)), (t, t)), directed=False)[1]
     a, b, c = mesh.xy[mesh.triangles].transpose(1, 0, 2)
-    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    by_size = np.argsort(area)
+    by_size = np.argsort(cross(b - a, c - a))
     largest = np.empty(face.max() + 1, dtype=np.int64)
     largest[face[by_size]] = by_size
     middle = mesh.xy[mesh.triangles[largest]].mean(axis=1)
