@@ -1060,8 +1060,8 @@
    <translation>Bewiesene untere Schranke der Kosten</translation>
   </message>
   <message>
-   <source>Put into lines where others meet or cross them: {}.</source>
-   <translation>In Linien eingefügt, wo andere auf sie treffen oder sie kreuzen: {}.</translation>
+   <source>Put into lines where others meet, cross or nearly touch them: {}.</source>
+   <translation>In Linien eingefügt, wo andere auf sie treffen, sie kreuzen oder beinahe berühren: {}.</translation>
   </message>
   <message>
    <source>QGIS cannot read {} ({}): has it a coordinate that is not finite? Delete such features, or use another version of QGIS.</source>

@@ -194,7 +194,7 @@ def _tell(feedback, result):
         )
     if len(result.splits):
         feedback.pushInfo(
-            tr("Put into lines where others meet or cross them: {}.").format(
+            tr("Put into lines where others meet, cross or nearly touch them: {}.").format(
                 counted(len(result.splits), "point")
             )
         )

@@ -9,7 +9,7 @@ import shapely
 
 from ..wkb import joined
 from .graph import unique_pairs
-from .mesh import flatness, heights
+from .mesh import cross, flatness, heights
 
 __all__ = ["Carrier", "carried", "placed"]
 
@@ -45,7 +45,7 @@ class Carrier:
         self._flat = flatness(points)
         # of triangles that meet in a point the largest tells most exactly where it goes, a flat one nothing
         a, b, c = points[triangles].transpose(1, 0, 2)
-        order = np.argsort(_cross(b - a, c - a), kind="stable")
+        order = np.argsort(cross(b - a, c - a), kind="stable")
         self._triangles = triangles[order[heights(points, triangles[order]) > self._flat]]
         self._low, self._high = points.min(axis=0), points.max(axis=0)
         self._width = float((self._high - self._low).max(initial=0.0))
@@ -135,9 +135,9 @@ class Carrier:
         lines, creases = (shapely.linestrings(np.stack(ends, axis=1)) for ends in ((a, b), (begin, end)))
         crease, line = shapely.STRtree(lines).query(creases, predicate="intersects")
         along, across, gap = (b - a)[line], (end - begin)[crease], begin[crease] - a[line]
-        turn = _cross(along, across)
+        turn = cross(along, across)
         with np.errstate(all="ignore"):  # what runs along a crease does not bend there, but at its ends
-            t, s = _cross(gap, across) / turn, _cross(gap, along) / turn
+            t, s = cross(gap, across) / turn, cross(gap, along) / turn
         length = np.hypot(*along.T)
         near = STRAIGHT * self._width
         inside = (t * length > near) & ((1.0 - t) * length > near)
@@ -194,8 +194,8 @@ class Carrier:
         found[lost] = self._found(xy[lost], 10.0 * self._flat)
         corner = self._triangles[found]
         a, b, c = self._points[corner].transpose(1, 0, 2)
-        whole = _cross(b - a, c - a)
-        weight = np.column_stack((_cross(xy - a, c - a), _cross(b - a, xy - a))) / whole[:, None]
+        whole = cross(b - a, c - a)
+        weight = np.column_stack((cross(xy - a, c - a), cross(b - a, xy - a))) / whole[:, None]
         weight = np.column_stack((1.0 - weight.sum(axis=1), weight))
         # displacements rather than positions: where nothing moves, not a bit changes
         shift = np.einsum("ij,ijk->ik", weight, self._shift[corner])
@@ -271,7 +271,3 @@ def placed(runs: Sequence[Any], moved: np.ndarray, splits: np.ndarray) -> Iterat
 def _edges_of(triangles, n):
     """The sides of triangles, each once."""
     return unique_pairs(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), n)
-
-
-def _cross(p, q):
-    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]

@@ -12,7 +12,7 @@ from typing import Callable
 import numpy as np
 
 from .graph import components
-from .mesh import flatness, heights, turned
+from .mesh import cross, flatness, heights, turned
 
 __all__ = ["stay_convex"]
 
@@ -122,11 +122,11 @@ def _step(xy, now, star, ours):
     from scipy.optimize import linprog
 
     (u, p, q), vertex = star.T, star[0, 0]
-    area = _cross(xy[p] - xy[u], xy[q] - xy[u])
+    area = cross(xy[p] - xy[u], xy[q] - xy[u])
     p, q = now[p] - now[vertex], now[q] - now[vertex]
     size = np.abs(np.concatenate((p, q))).max()
     # what is left of each area, as a linear function of the step in units of size
-    left = _cross(p, q) / area
+    left = cross(p, q) / area
     slope = np.column_stack((p[:, 1] - q[:, 1], q[:, 0] - p[:, 0])) * size / area[:, None]
     if left.min() > 0.0:
         return None
@@ -251,8 +251,4 @@ def _best_step(slope, left, least, ours, reach):
 def _areas(xy, triangles):
     """Twice their areas."""
     a, b, c = xy[triangles].transpose(1, 0, 2)
-    return _cross(b - a, c - a)
-
-
-def _cross(p, q):
-    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    return cross(b - a, c - a)

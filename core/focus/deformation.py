@@ -21,7 +21,7 @@ from typing import Callable, Sequence
 
 import numpy as np
 
-from .mesh import heights
+from .mesh import cross, heights
 
 __all__ = ["relax", "unbounded"]
 
@@ -154,7 +154,7 @@ def relax(
                 break
             short = done < 1.0 and length < 0.1
             continue
-        now, length = energy(jacobian, q), length
+        now = energy(jacobian, q)
         decrement = force @ move
         for _ in range(30):
             trial = jacobian_of(q + length * move, done)
@@ -270,7 +270,7 @@ def _gradient(xy, triangles):
     """The matrix from displacements to J - 1 of each triangle (xx, xy, yx, yy), and their areas."""
     n, t = len(xy), len(triangles)
     a, b, c = xy[triangles].transpose(1, 0, 2)
-    double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    double = cross(b - a, c - a)
     entries = []
     for vertex, (p, q) in zip(triangles.T, ((b, c), (c, a), (a, b))):
         side = q - p

@@ -14,7 +14,7 @@ from .deformation import relax, unbounded
 from .graph import Graph, build_graph, components, joins, match, unique_pairs
 from .hierarchy import coarsen, reinsert
 from .measures import Distortion, distortion
-from .mesh import crossed, frame_triangles, node, others, turned
+from .mesh import cross, crossed, frame_triangles, node, others, turned
 from .selection import select
 
 __all__ = ["FocusMap", "enlarge"]
@@ -27,12 +27,12 @@ DILATATION = 1.4  # of the ring around the focus, if the frame may grow as it sh
 LAND = 10.0  # how much stiffer polygons are than what is between them
 PAD = 0.05  # what a frame gets beyond a side that the focus leaves, or that a flat map lacks
 ATTEMPTS = 3  # to carry the detail, with more of it solved for where a triangle turned
-GAPS = (1e-6, 1e-4)  # of the map's width: what is narrower is not solved for, where the scale is not reached
+GAPS = (0.0, 1e-6, 1e-4)  # of the map's width: what is narrower is not solved for; the first that arrives
 WHOLE = 20_000  # vertices that are solved for at last, if need be
 
 
 class NoRoom(Unsolvable):
-    """The scale was not reached."""
+    """The scale was not reached, or not without a fold."""
 
 
 class FocusMap(NamedTuple):
@@ -47,8 +47,9 @@ class FocusMap(NamedTuple):
     triangles : (t, 3) int
         All of the frame, counter-clockwise before and after: what other layers are carried by.
     splits : (s, 3) float
-        Input rows that a vertex has to be put in after, as other lines meet the edge there: the row,
-        the place in ``points``, and the share of the way to the next row.
+        Input rows that a vertex has to be put in after, as other lines meet the edge there, or are so near
+        that there was no room with a gap: the row, the place in ``points``, and the share of the way to the
+        next row.
     edges : (e, 2) int
         Relevant edges: their ends as places in ``points``.
     kind : (e,) str
@@ -189,25 +190,35 @@ def enlarge(
     xy = local(graph.xy)
     for corner in box:  # what is at a side but for rounding is on it
         xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
-    check(0.2)
-    noded = node(xy, graph.edges, check)
-    check(0.4)
     regions = [shapely.transform(region, local) for region in regions]
     land = _land(local(rows), starts, polygons)
-    check(0.6)
-    mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
-    points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
-    skipped = []
+    asked = _Asked(scale, tau, frame, growth, most)
 
-    def choose(coarse, check):
+    def choose(coarse, xy, check):
         skipped.clear()  # an attempt may come again
-        return _selected(coarse, graph, mesh.xy, starts, polygons, rule, tau, skipped, check)
+        return _selected(coarse, graph, xy, starts, polygons, rule, tau, skipped, check)
 
-    if scale == 1.0:
-        found = _Moved(np.zeros_like(mesh.xy), given, given[:0], np.ones(2), 0)
+    skipped: list = []
+    refused: list[NoRoom] = []
+    for gap in GAPS:
+        check = stage(0.0, 0.05)
+        check(0.4)
+        noded = node(xy, graph.edges, check, gap)
+        check(0.6)
+        mesh = _mesh(noded, group, regions, land, box, frame, scale, check)
+        points = np.concatenate((graph.xy, centre + unit * mesh.xy[len(graph.xy) :]))
+        try:
+            if scale == 1.0:
+                found = _Moved(np.zeros_like(mesh.xy), given, given[:0], np.ones(2), 0)
+            else:
+                found = _moved(
+                    mesh, land, points, unit, given, choose if edges is None else None, gap, asked, stage
+                )
+            break
+        except NoRoom as problem:  # slivers may be what stops it
+            refused.append(problem)
     else:
-        asked = _Asked(scale, tau, frame, growth, most)
-        found = _moved(mesh, land, points, unit, given, choose if edges is None else None, asked, stage)
+        raise refused[0]
     check = stage(0.95, 1.0)
     moved = unit * found.shift  # what does not move does not change a bit
     if not np.isfinite(moved).all():
@@ -279,29 +290,27 @@ class _Moved(NamedTuple):
     dented: int
 
 
-def _moved(mesh, land, points, unit, given, choose, asked, stage):
+def _moved(mesh, land, points, unit, given, choose, gap, asked, stage):
     """The map solved for, its detail carried along: without a turned triangle, and as few dents as may be.
 
-    Where slivers are in the way, they are detail. Where the detail turns a triangle, or dents a square,
-    more is solved for, at last all of a map that is not too large: while it is solved for, no
-    triangle turns whose corners are all there.
+    What is narrower than a gap is detail. Where the detail turns a triangle, or dents a square, more is
+    solved for, at last all of a map that is not too large: while it is solved for, no triangle turns whose
+    corners are all there.
     """
     needed = np.zeros(len(mesh.xy), dtype=bool)
     needed[given.ravel()] = True
-    best, tight, gap = None, None, 0.0
+    best = None
     for attempt in range(1, ATTEMPTS + 1):
         if attempt == ATTEMPTS > 1 and not gap and np.count_nonzero(mesh.removable) <= WHOLE:
             needed[:] = True
         try:
-            made = _attempt(mesh, land, needed, gap, given, choose, asked, stage)
-        except NoRoom as problem:
-            why = tight = tight or problem
-            gap = GAPS[min(attempt, len(GAPS)) - 1]
-            continue
+            made = _attempt(mesh, land, needed, given, choose, gap, asked, stage)
+        except NoRoom:
+            if best is None:
+                raise
+            break
         bad, dents = _damage(mesh, points, points + unit * made.shift)
-        if bad.any():
-            why = _too_close(points[mesh.triangles[bad].min()])
-        else:
+        if not bad.any():
             made = made._replace(dented=len(np.unique(dents[:, 1])))
             best = made if best is None else min(best, made, key=lambda one: one.dented)
             if not made.dented:
@@ -309,21 +318,33 @@ def _moved(mesh, land, points, unit, given, choose, asked, stage):
         needed[mesh.triangles[bad]] = True
         needed |= _around(mesh, dents, attempt)
     if best is None:
-        raise why
+        x, y = points[mesh.triangles[bad].min()]
+        near = Sentence(
+            "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
+            x,
+            y,
+        )
+        raise NoRoom(near)
     return best
 
 
-def _attempt(mesh, land, needed, gap, given, choose, asked, stage):
+def _attempt(mesh, land, needed, given, choose, gap, asked, stage):
     """The map solved for on what is needed and some more, and all of the rest put back."""
-    xy, edges, removable = mesh.xy, mesh.edges, mesh.removable & ~needed
-    coarse = coarsen(xy, mesh.triangles, edges, removable, mesh.rigid, asked.most, stage(0.05, 0.2), gap)
-    chosen = given if choose is None else choose(coarse, stage(0.2, 0.3))
+    xy = mesh.xy
+    coarse = coarsen(
+        xy, mesh.triangles, mesh.edges, mesh.removable & ~needed, mesh.rigid, asked.most,
+        stage(0.05, 0.2), gap=gap, side=mesh.side_bits,
+    )  # fmt: skip
+    chosen = given if choose is None else choose(coarse, xy, stage(0.2, 0.3))
     chosen = unique_pairs(chosen, len(xy))
     solid = np.concatenate((coarse.edges, chosen))
     shift, bridges, growth = _solved(mesh, coarse, land, solid, asked, stage(0.3, 0.85))
     check = stage(0.85, 0.95)
     _scale_exactly(mesh, shift, asked.scale, asked.frame)
     shift = reinsert(coarse, xy, shift, mesh.rigid, check)
+    for k, side in enumerate(mesh.side):  # what went along it is on it to the last digit
+        gone = coarse.into[side] != side
+        shift[side[gone], k // 2] = shift[side[~gone][0], k // 2]
     free = mesh.group < 0
     free[np.concatenate(mesh.side)] = False
     shift = stay_convex(xy, shift, mesh.triangles, mesh.spare, free, check)
@@ -343,15 +364,6 @@ def _around(mesh, dents, rings):
     for _ in range(rings):
         near[mesh.triangles[near[mesh.triangles].any(axis=1)]] = True
     return near
-
-
-def _too_close(point):
-    """Why a map was turned over."""
-    near = Sentence(
-        "lines of the map are too close to each other to be moved without a fold, near ({:g} {:g})",
-        *point,
-    )
-    return Unsolvable(near)
 
 
 def _scale_exactly(mesh, shift, scale, frame):
@@ -376,6 +388,7 @@ class _Mesh(NamedTuple):
     map_vertex: np.ndarray
     group: np.ndarray  # the region in focus, -1 for none
     side: tuple  # vertices on the left, right, lower, upper side
+    side_bits: np.ndarray  # the same for each vertex: 1, 2, 4, 8, or sums at corners
     padded: np.ndarray  # (2,): what the frame gives back on both sides along each axis
     removable: np.ndarray
     rigid: np.ndarray
@@ -413,11 +426,12 @@ def _mesh(noded, group, regions, land, box, frame, scale, check):
     rigid = group >= 0
     rigid[triangles[mixed]] = False
     of_map = np.arange(len(xy)) < n
+    bits = sum((1 << k) * np.isin(np.arange(len(xy)), on) for k, on in enumerate(side))
+    rigid &= of_map & (bits == 0)
     removable = of_map & (rigid | (group < 0))
-    removable[np.concatenate(side)] = False
     spare = others(xy, triangles, noded.edges)
     return _Mesh(
-        xy, triangles, of_map, group, tuple(side), padded, removable, rigid & removable, noded.edges, spare
+        xy, triangles, of_map, group, tuple(side), bits, padded, removable, rigid, noded.edges, spare
     )
 
 
@@ -555,8 +569,7 @@ def _covered(mesh, land, check):
     check()
     face = connected_components(coo_matrix((np.ones(len(one)), (one, other)), (t, t)), directed=False)[1]
     a, b, c = mesh.xy[mesh.triangles].transpose(1, 0, 2)
-    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    by_size = np.argsort(area)
+    by_size = np.argsort(cross(b - a, c - a))
     largest = np.empty(face.max() + 1, dtype=np.int64)
     largest[face[by_size]] = by_size
     middle = mesh.xy[mesh.triangles[largest]].mean(axis=1)
@@ -611,6 +624,7 @@ def _solved(mesh, coarse, land, solid, asked, check):
         [xy[group == g].mean(axis=0) if (group == g).any() else (0.0, 0.0) for g in range(group.max() + 1)]
     )
     side = [place[one] for one in mesh.side]
+    side = [one[one >= 0] for one in side]
     size = _frame(mesh, xy, links, group, origin, asked.scale, asked.frame, asked.growth)
     fixed = []
     for axis in (0, 1):

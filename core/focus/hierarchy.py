@@ -22,6 +22,7 @@ SHAPE = 0.02  # area over the longest side squared, below which a triangle shoul
 LONGEST = 0.05  # of the map's width, for an edge that replaces two
 TINY = 1e-7  # of the map's width: shorter edges never are solved for
 HALVINGS = 48
+IDLE = 4  # rounds in a row without any way across gaps: each draws one of several for a vertex
 
 
 class Coarse(NamedTuple):
@@ -53,7 +54,9 @@ def coarsen(
     rigid: np.ndarray,
     most: int,
     check: Callable,
+    *,
     gap: float = 0.0,
+    side: np.ndarray | None = None,
 ) -> Coarse:
     """Take out vertices of a triangulation, the smallest detail first.
 
@@ -67,7 +70,7 @@ def coarsen(
         Edges of the map; they are edges of the triangulation. What is removed goes along one of
         its own, as far as it has any, so outlines stay outlines.
     removable : (n,) bool
-        Only inner vertices.
+        Inner vertices, and others as told below.
     rigid : (n,) bool
         Vertices whose neighbours move with them: their detail costs nothing.
     most : int
@@ -75,8 +78,11 @@ def coarsen(
     check : callable
         Called with the share done; may raise `Cancelled`.
     gap : float
-        If more than `TINY`: what is nearer than this counts as tiny, and goes across gaps, too, and along
-        edges of any length. Slivers of a map are then not solved for.
+        If more than `TINY`: what is nearer than this goes across gaps first, so that slivers of a map with
+        vertices beside each other are not solved for.
+    side : (n,) int, optional
+        The sides of the frame that each vertex is on, as bits: what is on one goes along it, and only if
+        that is less than ``gap``.
 
     Returns
     -------
@@ -104,15 +110,24 @@ def coarsen(
     rng = np.random.default_rng(1)
     into, levels = np.arange(n), []
     alive = np.ones(n, dtype=bool)
-    if np.count_nonzero(removable) <= most:
+    if side is None:
+        side = np.zeros(n, dtype=np.int64)
+    inner = removable & (side == 0)
+    if np.count_nonzero(inner) <= most:
         rigid = np.zeros_like(rigid)  # a small map is solved for as it is
     tiny = max(gap, TINY)
-    tolerance = tiny
+    tolerance, idle = tiny, 0
     while True:
         check(1.0 - np.count_nonzero(alive) / n)
-        left = np.count_nonzero(alive & removable & ~rigid)
+        left = np.count_nonzero(alive & inner & ~rigid)
         narrow = gap > TINY and tolerance == tiny
-        u, v = _ways(xy, triangles, edges, removable & alive, rigid, tolerance, rng, narrow)
+        free = alive & (removable if narrow else inner)
+        if narrow:
+            u, v = _across(xy, triangles, free, gap, rng)
+        else:
+            u, v = _ways(xy, triangles, edges, free, rigid, tolerance, rng)
+        along = side[u] & ~side[v] == 0
+        u, v = u[along], v[along]
         goes = np.full(n, -1)
         goes[u[::-1]] = v[::-1]
         chosen = _independent(xy, triangles, goes, rng)
@@ -138,7 +153,10 @@ def coarsen(
             new = new[(new[:, 0] != new[:, 1]) & (new[:, 0] != new[:, 2])]
             triangles = np.concatenate((triangles[~star], new))
             edges = unique_pairs(into[edges], n)
-        enough = 0.03 * (len(u) if left <= most else np.count_nonzero(alive & removable))
+        idle = 0 if count else idle + 1
+        if narrow and idle < IDLE:
+            continue
+        enough = 0.03 * (len(u) if left <= most else np.count_nonzero(alive & inner))
         if count <= max(enough, 10):
             if (left <= most and count == 0 and tolerance > tiny) or tolerance > 0.2:
                 break
@@ -150,7 +168,15 @@ def coarsen(
         into = further
 
 
-def _ways(xy, triangles, edges, free, rigid, tolerance, rng, narrow):
+def _across(xy, triangles, free, gap, rng):
+    """Vertices, and others nearer than a gap that they could go into, in random order."""
+    ways = triangles[:, [[0, 1], [1, 2], [2, 0], [1, 0], [2, 1], [0, 2]]].reshape(-1, 2)
+    ways = ways[free[ways[:, 0]]]
+    length = np.hypot(*(xy[ways[:, 0]] - xy[ways[:, 1]]).T)
+    return rng.permutation(ways[length <= gap]).T
+
+
+def _ways(xy, triangles, edges, free, rigid, tolerance, rng):
     """Vertices, and what they could go into without changing the map by more, in random order."""
     n = len(xy)
     both = np.concatenate((edges, edges[:, ::-1]))
@@ -177,11 +203,10 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng, narrow):
     t = (gap.real * along.real + gap.imag * along.imag) / np.maximum(square, 1e-300)
     gap -= np.clip(t, 0.0, 1.0) * along
     off = np.hypot(gap.real, gap.imag)
-    if not narrow:
-        off[square > LONGEST**2] = np.inf
+    off[square > LONGEST**2] = np.inf
     cost = np.hypot(side.real, side.imag)
     if len(several):
-        cost[several] = np.maximum.reduceat(off, first) + 0.02 * cost[several] * (not narrow)
+        cost[several] = np.maximum.reduceat(off, first) + 0.02 * cost[several]
     cost[rigid[u]] = 0.0
     # what is on no line goes anywhere
     lonely = free & (np.bincount(edges.ravel(), minlength=n) == 0)
@@ -190,11 +215,6 @@ def _ways(xy, triangles, edges, free, rigid, tolerance, rng, narrow):
     rows = rows[lonely[rows[:, 0]]]
     ways = np.concatenate((both, rows))
     good = np.append(cost <= tolerance, np.ones(len(rows), dtype=bool))
-    if narrow:
-        rows = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-        rows = rows[free[rows[:, 0]]]
-        rows = rows[np.abs(z[rows[:, 0]] - z[rows[:, 1]]) <= tolerance]
-        ways, good = np.concatenate((ways, rows)), np.append(good, np.ones(len(rows), dtype=bool))
     order = rng.permutation(len(ways))
     return ways[order[good[order]]].T
 
@@ -352,6 +372,8 @@ def _squeeze(xy, shift, gone, into, number, rows):
     direction = angle_a + (angle_b - angle_a) % (2.0 * np.pi) / 2.0
     reach = np.minimum(np.hypot(*a.T), np.hypot(*b.T))
     wedge = np.column_stack((np.cos(direction), np.sin(direction)))
+    side = (left < 0) | (right < 0)  # of the frame: it stays on it
+    wedge[side], reach[side], middle[side] = (wish - v_at)[side], 1.0, wish[side]
     area = _cross(xy[u], xy[p], xy[q])
     best, found = np.full(k, -np.inf), wish.copy()
 

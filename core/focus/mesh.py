@@ -24,7 +24,7 @@ from ..partition.triangulation import engine_name, missing_packages
 from ..predicates import crossing, orientations
 from .graph import components, unique_pairs
 
-__all__ = ["Noded", "crossed", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
+__all__ = ["Noded", "cross", "crossed", "flatness", "frame_triangles", "heights", "node", "others", "turned"]
 
 TOO_FINE = Sentence("the map could not be triangulated (too fine for double precision)")
 SNAP = 1e-10  # of the map's width: points and lines nearer than this touch
@@ -51,7 +51,7 @@ class Noded(NamedTuple):
     splits: np.ndarray
 
 
-def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
+def node(xy: np.ndarray, edges: np.ndarray, check: Callable, gap: float = 0.0) -> Noded:
     """Split edges where a vertex lies on them, or where they cross.
 
     Parameters
@@ -62,6 +62,9 @@ def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
         Pairs u < v, each once.
     check : callable
         Called now and then; may raise `Cancelled`.
+    gap : float
+        If more than `SNAP`: edges are also split beside vertices that are nearer than this. Then
+        each sliver has short edges across it.
 
     Returns
     -------
@@ -90,6 +93,8 @@ def node(xy: np.ndarray, edges: np.ndarray, check: Callable) -> Noded:
     for _ in range(ROUNDS):
         check()
         edge, at, xy = _meetings(xy, edges, fresh)
+        if not len(edge) and gap > SNAP:
+            (edge, at, xy), gap = _feet(xy, edges, gap), 0.0
         if not len(edge):
             break
         pieces, owner = _split(xy, edges, edge, at)
@@ -122,12 +127,12 @@ def _meetings(xy, edges, fresh):
             vertex.append(p[on])
             apart &= ~on & (p != edges[other, 0]) & (p != edges[other, 1])
     a, b = a[apart], b[apart]
-    cross = crossing(ends[a], ends[b])
-    a, b = a[cross], b[cross]
+    real = crossing(ends[a], ends[b])
+    a, b = a[real], b[real]
     if len(a):
         p, q, r, s = ends[a, 0], ends[a, 1], ends[b, 0], ends[b, 1]
         d, e = q - p, s - r
-        t = ((r - p)[:, 0] * e[:, 1] - (r - p)[:, 1] * e[:, 0]) / (d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0])
+        t = cross(r - p, e) / cross(d, e)
         points = p + np.clip(t, 0.0, 1.0)[:, None] * d
         near = _merged(points)
         first = np.unique(near, return_index=True)[1]
@@ -138,6 +143,24 @@ def _meetings(xy, edges, fresh):
     return np.concatenate(edge), np.concatenate(vertex), xy
 
 
+def _feet(xy, edges, gap):
+    """Edges and new vertices on them, each beside a vertex that is near."""
+    tree = shapely.STRtree(shapely.linestrings(xy[edges]))
+    vertex, edge = tree.query(shapely.points(xy), predicate="dwithin", distance=gap)
+    own = (edges[edge] == vertex[:, None]).any(axis=1)
+    vertex, edge = vertex[~own], edge[~own]
+    start, along = xy[edges[edge, 0]], xy[edges[edge, 1]] - xy[edges[edge, 0]]
+    length = np.hypot(*along.T)
+    t = ((xy[vertex] - start) * along).sum(axis=1) / length**2
+    inside = (t * length > gap) & ((1.0 - t) * length > gap)
+    edge, points = edge[inside], (start + t[:, None] * along)[inside]
+    if not len(edge):
+        return edge, edge, xy
+    near = _merged(points)
+    first = np.unique(near, return_index=True)[1]
+    return edge, len(xy) + near, np.concatenate((xy, points[first]))
+
+
 def _lies_on(xy, p, edges):
     """Whether vertices lie on edges, apart from their ends."""
     u, v = xy[edges[:, 0]], xy[edges[:, 1]]
@@ -145,7 +168,7 @@ def _lies_on(xy, p, edges):
     gap = xy[p] - u
     square = np.maximum((along * along).sum(axis=1), 1e-300)
     t = (gap * along).sum(axis=1) / square
-    off = np.abs(gap[:, 0] * along[:, 1] - gap[:, 1] * along[:, 0]) / np.sqrt(square)
+    off = np.abs(cross(gap, along)) / np.sqrt(square)
     return (p != edges[:, 0]) & (p != edges[:, 1]) & (t > 0.0) & (t < 1.0) & (off <= SNAP)
 
 
@@ -274,8 +297,8 @@ def _by_shapely(xy, segments):
         edges = unique_pairs(vertices(lines).reshape(-1, 2), len(xy))
         tree = shapely.STRtree(shapely.linestrings(xy[segments]))
         a, b = tree.query(shapely.linestrings(xy[edges]), predicate="crosses")
-        crossed = crossing(xy[edges[a]], xy[segments[b]])
-        edges = np.concatenate((segments, np.delete(edges, a[crossed], axis=0)))
+        wrong = crossing(xy[edges[a]], xy[segments[b]])
+        edges = np.concatenate((segments, np.delete(edges, a[wrong], axis=0)))
         faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[unique_pairs(edges, len(xy))])))
         large = shapely.get_num_coordinates(faces) > 4
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(faces[large]))
@@ -462,5 +485,15 @@ def heights(xy: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """
     a, b, c = xy[triangles].transpose(1, 0, 2)
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
-    double = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    return double / np.maximum(longest, 1e-300)
+    return cross(b - a, c - a) / np.maximum(longest, 1e-300)
+
+
+def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the (k,) cross products of (k, 2) vectors: twice the area of the triangles that they span.
+
+    Examples
+    --------
+    >>> cross(np.array([(2, 0), (0, 1.0)]), np.array([(0, 3), (1, 0.0)])).tolist()
+    [6.0, -1.0]
+    """
+    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]

@@ -144,6 +144,7 @@ def build_parts(
     selected: np.ndarray,
     tree: np.ndarray,
     equal_area: Callable,
+    *,
     faces: Faces | None = None,
     over: Over | None = None,
 ) -> Parts:
@@ -228,6 +229,7 @@ def merged_parts(
     parts: Parts,
     pieces: np.ndarray,
     offsets: np.ndarray,
+    *,
     most: int = 2_000_000,
     over: Over | None = None,
 ) -> Iterator:

@@ -251,7 +251,7 @@ def test_annealing_without_limits_leaves_small_islands_to_exact(monkeypatch):
 def test_what_is_too_large_for_a_programme_is_said(monkeypatch):
     problem = islands(1, False, 30)[0]
     monkeypatch.setattr("isthmus.core.aggregation.exact.LARGEST_PROGRAMME", 300)
-    result = exact(problem, 9.0, False, greedy(problem))
+    result = exact(problem, seconds=9.0, decompose=False, begin=greedy(problem))
     check(problem, result.found)
     assert result.large == 1 and not result.proven
     assert result.bound <= costs(problem, result.found).total
@@ -261,7 +261,7 @@ def test_what_is_too_large_for_a_programme_is_said(monkeypatch):
 @pytest.mark.filterwarnings("error")
 def test_a_map_on_which_nothing_costs_anything():
     problem = random_map(3, n=60, boundary=0.0, centre=0.0)._replace(change=0.0)
-    result = exact(problem, 2.0, False, greedy(problem))
+    result = exact(problem, seconds=2.0, decompose=False, begin=greedy(problem))
     check(problem, result.found)
     assert costs(problem, result.found).total == result.bound == 0.0
 

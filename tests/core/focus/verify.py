@@ -132,15 +132,15 @@ def faults(result, before, after, starts):
     if len(np.unique(directed)) < len(directed):
         found.append("triangles overlap")
     rim = directed[~np.isin(directed, back)]
-    rim = np.unique(np.concatenate((rim // n, rim % n)))
+    rim = left = np.unique(np.concatenate((rim // n, rim % n)))
     for axis in (0, 1):
         for end in (np.min, np.max):
             x, y = result.points[:, axis], result.moved[:, axis]
-            side = np.flatnonzero(np.abs(x - end(x)) <= 1e-9 * size[axis])
+            side = rim[np.abs(x[rim] - end(x)) <= 1e-9 * size[axis]]
             if np.ptp(y[side]) > 1e-9 * np.ptp(y) or abs(y[side][0] - end(y)) > 1e-9 * np.ptp(y):
                 found.append(f"a side of the frame is bent (axis {axis})")
-            rim = np.setdiff1d(rim, side)
-    if len(rim):
+            left = np.setdiff1d(left, side)
+    if len(left):
         found.append("the frame is no rectangle")
     longest = np.maximum.reduce([np.hypot(*(q - p).T) for p, q in ((a, b), (b, c), (c, a))])
     rounding = 4.0 * 2.0**-52 * max(np.abs(result.points).max(), np.abs(result.moved).max())

@@ -151,7 +151,9 @@ def test_merged_parts_are_those_of_the_cuts_that_are_left(name, most):
         pieces = np.argsort(union, kind="stable")
         offsets = np.searchsorted(union[pieces], np.arange(len(names) + 1))
         merged = []
-        for rows, rings, parts in merged_parts(polygon, walk, chosen, tree, finest, pieces, offsets, most):
+        for rows, rings, parts in merged_parts(
+            polygon, walk, chosen, tree, finest, pieces, offsets, most=most
+        ):
             own = np.split(rows, rings[1:-1])
             merged += [own[lo:hi] for lo, hi in zip(parts[:-1].tolist(), parts[1:].tolist())]
 
