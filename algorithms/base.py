@@ -131,7 +131,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """Return a sentence about what is missing or what cannot be used, or ''."""
         return (
             dependency_problem() or self.text_problem(parameters) or self.choice_problem(parameters)
-            or self.parameter_problem(parameters, context)
+            or self.parameter_problem(parameters, context) or self.range_problem(parameters)
         )  # fmt: skip
 
     def parameter_problem(self, parameters, context):
@@ -145,11 +145,30 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         """
         for definition in self.parameterDefinitions():
             value = parameters.get(definition.name())
-            if isinstance(definition, QgsProcessingParameterNumber) and isinstance(value, str) and value:
+            if isinstance(definition, QgsProcessingParameterNumber) and isinstance(value, str):
                 try:
                     float(value)
                 except ValueError:
                     return tr("{} must be a number, and is {!r}.").format(definition.name(), value)
+        return ""
+
+    def range_problem(self, parameters):
+        """Return a sentence about a number that its parameter does not take, or ''. QGIS does not say why."""
+        for definition in self.parameterDefinitions():
+            value = parameters.get(definition.name())
+            if not isinstance(definition, QgsProcessingParameterNumber):
+                continue
+            if not isinstance(value, (int, float, str)):
+                continue
+            value, least, most = float(value), definition.minimum(), definition.maximum()
+            if definition.dataType() == QgsProcessingParameterNumber.Type.Integer:
+                most = min(most, 2**31 - 1)
+            if value > most:
+                return tr("{} must be at most {:g}, and is {:g}.").format(definition.name(), most, value)
+            if not value >= least:
+                return tr("{} must be a number of at least {:g}, and is {:g}.").format(
+                    definition.name(), least, value
+                )
         return ""
 
     def choice_problem(self, parameters):

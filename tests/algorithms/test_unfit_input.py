@@ -136,3 +136,18 @@ def test_a_layer_that_qgis_cannot_read(run, layer, monkeypatch, tool):
         r"QGIS cannot read (INPUT|FOCUS) \(unknown\): has it a coordinate that is not finite\?", said
     )
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("tool, name, value, said", [
+    ("aggregate", "THRESHOLD", 1e300, "THRESHOLD must be at most 1e\\+18, and is 1e\\+300"),
+    ("aggregate", "SEED", 1e30, "SEED must be at most 2.14748e\\+09, and is 1e\\+30"),
+    ("focusmap", "GROWTH", 1e9, "GROWTH must be at most 1000, and is 1e\\+09"),
+    ("partition", "TAU", "1e400", "TAU must be at most 1e\\+18, and is inf"),
+    ("partition", "TAU", "", "TAU must be a number, and is ''"),
+    ("tradeoff", "STEPS", -1, "STEPS must be a number of at least 1, and is -1"),
+])  # fmt: skip
+def test_a_number_out_of_its_range_is_told_with_the_range(run, layer, tool, name, value, said):
+    source = layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x"])])
+    options = {"INPUT": source, "FOCUS": source, "CLASS": "name", "THRESHOLD": 50, "OUTPUT": "memory:"}
+    with pytest.raises(QgsProcessingException, match=said):
+        run(f"isthmus:{tool}", {**options, name: value})

@@ -21,6 +21,8 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QUrl
 
+from isthmus.algorithms.base import OPTIONAL
+
 ROOMS = "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 10,0 10,0 0))"
 
 
@@ -72,8 +74,11 @@ def test_a_text_is_no_number(provider, tool, name):
     """QGIS takes any text for a number that is optional."""
     tool, context = provider.algorithm(tool), QgsProcessingContext()
     assert tool.checkParameterValues({name: "x"}, context) == (False, f"{name} must be a number, and is 'x'.")
-    for number in ("2.5", " 2 ", "1e1", 3, None, ""):
+    for number in ("2.5", " 2 ", "1e1", 3, None):
         assert "must be a number, and" not in tool.checkParameterValues({name: number}, context)[1]
+    said = tool.checkParameterValues({name: ""}, context)[1]
+    needed = not tool.parameterDefinition(name).flags() & OPTIONAL
+    assert (said == f"{name} must be a number, and is ''.") == needed == (name in ("TAU", "SCALE"))
 
 
 @pytest.mark.parametrize("tool, name, wrong, said", [
