@@ -305,8 +305,9 @@ class CuttingTool(PartitionTool):
             ),
             "The cuts, with the id of their polygon (source), length (without that over holes), detour "
             "(how many times longer the way along the outline was; empty if only a cut connects the "
-            "ends), the parts on both sides (part_a, part_b; equal where a cut only connects a hole), "
-            "and share (the smaller side as per cent of the feature's area; empty where that was not measured).",
+            "ends), the parts on both sides (part_a, part_b; equal where a cut only connects a hole), and "
+            "share (the smaller side as per cent of the feature's area; empty where that was not "
+            "measured).",
         )
         self.add(
             QgsProcessingParameterFeatureSink(
