@@ -109,7 +109,9 @@ def _without_closing(coords, offsets):
     kept = np.ones(len(coords), dtype=bool)
     kept[last[closed]] = False
     points[closed] -= 1
-    return coords[kept], offsets_of(points)
+    return coords.take(np.flatnonzero(kept), axis=0), offsets_of(
+        points
+    )  # three times as fast as coords[kept]
 
 
 @lru_cache(maxsize=None)  # asked for every feature, and QGIS takes its time for each of its answers

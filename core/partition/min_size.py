@@ -129,7 +129,7 @@ def min_size(net: Network, tau: float | np.ndarray, check: Callable | None = Non
     """
     solve = _states_by_node if net.narrow else _states_by_level
     leaf, value, serves = solve(net, tau, check or ignore)
-    role = np.where(leaf, LEAF, SELF).astype(np.int8)
+    role = np.where(leaf, np.int8(LEAF), np.int8(SELF))
     role[: net.tree.roots] = SELF
     role[_served(net, leaf, value, serves)] = ROOT
     return role

@@ -1133,7 +1133,7 @@ def _witnesses(prepared, carved, selected, check):
     dilation = np.ones(len(length))
     cut = np.append(np.ones(roots, dtype=bool), _mask(selected, len(length))[edge])
     below, above = witness_lengths(carved.net, cut, check)
-    side = np.where(below <= above, LEAF, ROOT).astype(np.int8)
+    side = np.where(below <= above, np.int8(LEAF), np.int8(ROOT))
     side[cut] = SELF
     path = np.where(cut, carved.net.length, np.minimum(below, above))
     role[edge] = side[roots:]

@@ -204,12 +204,15 @@ def diagonals(polygons: Polygons, triangles: np.ndarray, sides: Sides | None = N
     >>> diagonals(rhombus, np.array([(0, 1, 3), (1, 2, 3)])).tolist()
     [[1, 3]]
     """
-    n = len(polygons.xy)
     sides = sides or sides_of(polygons, triangles)
     a, b = (ends.take(sides.inner).astype(np.int64) for ends in (sides.tail, sides.head))
-    key = np.sort(a * n + (n - 1 - b))
-    a = key // n
-    return np.column_stack((a, n - 1 - (key - a * n)))
+    span = int((b - a).max(initial=0)) + 1
+    key = a * span + (span - 1 - (b - a))
+    if len(polygons.xy) * span < 2**31:  # many small polygons: numpy sorts these several times faster
+        key = key.astype(np.int32)
+    key.sort()
+    a = key // span
+    return np.column_stack((a, a + (span - 1 - (key - a * span)))).astype(np.int64, copy=False)
 
 
 def _bent(polygons, conformal):
