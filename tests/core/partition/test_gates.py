@@ -350,10 +350,10 @@ def test_polygons_without_a_triangulation_have_no_gates(monkeypatch):
     real = stage.triangulate
 
     def but_the_first(polygons, **options):
-        triangles, verdict = real(polygons, **options)
+        triangles, verdict, sides = real(polygons, **options)
         verdict = verdict.copy()
         verdict[0] = "no"
-        return triangles[triangles[:, 0] >= polygons.vertex_offsets[1]], verdict
+        return triangles[triangles[:, 0] >= polygons.vertex_offsets[1]], verdict, sides
 
     monkeypatch.setattr(stage, "triangulate", but_the_first)
     found = prepare(stages.together(several), natural=True, smallest=SMALLEST * area)
