@@ -182,14 +182,18 @@ def enlarge(
     def local(xy):
         return (xy - centre) / unit
 
+    box = local(rows.min(axis=0)), local(rows.max(axis=0))
+
+    def at_sides(xy):  # what is at a side but for rounding is on it
+        for corner in box:
+            xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+        return xy
+
     group, regions = _groups(graph, rows, starts, polygons, regions)
-    graph, group = _distinct(graph, group, rows, local(graph.xy))
+    graph, group = _distinct(graph, group, rows, at_sides(local(graph.xy)))
     given = np.empty((0, 2), dtype=np.int64) if edges is None else graph.vertex[edges]
     given = unique_pairs(given, len(graph.xy))
-    box = local(rows.min(axis=0)), local(rows.max(axis=0))
-    xy = local(graph.xy)
-    for corner in box:  # what is at a side but for rounding is on it
-        xy = np.where(np.abs(xy - corner) < 1e-9, corner, xy)
+    xy = at_sides(local(graph.xy))
     regions = [shapely.transform(region, local) for region in regions]
     land = _land(local(rows), starts, polygons)
     asked = _Asked(scale, tau, frame, growth, most)

@@ -134,13 +134,12 @@ def _meetings(xy, edges, fresh):
         d, e = q - p, s - r
         t = cross(r - p, e) / cross(d, e)
         points = p + np.clip(t, 0.0, 1.0)[:, None] * d
-        near = _merged(points)
-        first = np.unique(near, return_index=True)[1]
-        number = len(xy) + near
-        xy = np.concatenate((xy, points[first]))
+        number, xy = _vertices_at(xy, points)
         edge += [a, b]
         vertex += [number, number]
-    return np.concatenate(edge), np.concatenate(vertex), xy
+    edge, vertex = np.concatenate(edge), np.concatenate(vertex)
+    inner = (edges[edge] != vertex[:, None]).all(axis=1)
+    return edge[inner], vertex[inner], xy
 
 
 def _feet(xy, edges, gap):
@@ -153,12 +152,8 @@ def _feet(xy, edges, gap):
     length = np.hypot(*along.T)
     t = ((xy[vertex] - start) * along).sum(axis=1) / length**2
     inside = (t * length > gap) & ((1.0 - t) * length > gap)
-    edge, points = edge[inside], (start + t[:, None] * along)[inside]
-    if not len(edge):
-        return edge, edge, xy
-    near = _merged(points)
-    first = np.unique(near, return_index=True)[1]
-    return edge, len(xy) + near, np.concatenate((xy, points[first]))
+    number, xy = _vertices_at(xy, (start + t[:, None] * along)[inside])
+    return edge[inside], number, xy
 
 
 def _lies_on(xy, p, edges):
@@ -172,12 +167,19 @@ def _lies_on(xy, p, edges):
     return (p != edges[:, 0]) & (p != edges[:, 1]) & (t > 0.0) & (t < 1.0) & (off <= SNAP)
 
 
-def _merged(points):
-    """The number of each point, those that are nearly the same counted once."""
+def _vertices_at(xy, points):
+    """The vertex at each point, there already or new, those nearly the same once; and all vertices."""
     from scipy.spatial import cKDTree
 
-    near = cKDTree(points).query_pairs(SNAP, output_type="ndarray")
-    return components(len(points), near) if len(near) else np.arange(len(points))
+    off, vertex = cKDTree(xy).query(points) if len(points) else (np.empty(0), np.empty(0, dtype=np.int64))
+    new = np.flatnonzero(off > SNAP)
+    if not len(new):
+        return vertex, xy
+    near = cKDTree(points[new]).query_pairs(SNAP, output_type="ndarray")
+    same = components(len(new), near) if len(near) else np.arange(len(new))
+    vertex[new] = len(xy) + same
+    first = np.unique(same, return_index=True)[1]
+    return vertex, np.concatenate((xy, points[new[first]]))
 
 
 def _split(xy, edges, edge, at):

@@ -114,6 +114,15 @@ def test_node_takes_what_is_nearly_there():
     assert len(noded.xy) == 15 and len(noded.edges) == 14
 
 
+def test_lines_that_cross_at_a_vertex_of_another_share_it():
+    """Where the two cross, rounding makes a point that is not that vertex to the last bit."""
+    for angle in np.linspace(0.01, 3.0, 60):
+        arm = np.array([(np.cos(k), np.sin(k)) for k in angle + np.array((0.0, 1.1))])
+        xy = 0.1 + np.concatenate(([(0.0, 0.0), (0.3, 0.4)], arm / 3.0, -arm / 7.0))
+        noded = mesh.node(xy, np.array([(2, 4), (3, 5), (0, 1)]), nothing)
+        assert np.array_equal(noded.xy, xy) and len(noded.edges) == 5
+
+
 def test_a_line_of_one_point_has_no_edge():
     found = graph.build_graph(
         np.array([(5.0, 5.0), (0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]), np.array([0, 1, 3, 4])

@@ -467,6 +467,15 @@ def test_slivers_without_points_beside_each_other(made, scale):
 # ---- found by fuzzing
 
 
+def test_points_that_are_one_on_the_side_of_the_frame():
+    """Beside it by less than 1e-9 of the width: Triangle died of two at one place."""
+    rows, starts, polygons = rings_of(*(box(-2e-8 * (k % 3), k, 50, k + 1) for k in range(80)))
+    focus = shapely.box(15, 25, 35, 55)
+    result = enlarge(rows, starts, polygons, focus, 2.0, growth=2.0)
+    assert result.scale == 2.0
+    assert not turned(result.points, result.moved, result.triangles).any()
+
+
 def test_parts_of_the_focus_that_touch_at_a_vertex_move_together():
     rows, starts, polygons = grid(3)
     focus = shapely.MultiPolygon([shapely.box(0.5, 0.5, 1, 1), shapely.box(1, 1, 1.5, 1.5)])
