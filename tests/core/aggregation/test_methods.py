@@ -190,7 +190,8 @@ def islands(seed, by_class, large):
         *(np.concatenate([getattr(its, name) for its in maps]) for name in ("size", "cls", "place")),
         np.concatenate(pairs),
         np.concatenate([its.length[its.owner < its.neighbour] for its in maps]),
-        *one[7:], spread=np.concatenate([its.spread for its in maps]),
+        **{name: getattr(one, name) for name in one._fields[7:]},
+        spread=np.concatenate([its.spread for its in maps]),
     )  # fmt: skip
     return whole, maps, first
 
