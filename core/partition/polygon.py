@@ -453,9 +453,8 @@ def _canonical(xy, offsets, kept, is_start, starts, corner_offsets, ring_polygon
         rows[past] += back[np.searchsorted(row_offsets, past, side="right") - 1]
     whole = len(starts) == len(xy)  # every row is a corner
     begins = is_start if whole else is_start[rows]
-    if (
-        backwards.any() and not whole
-    ):  # a corner begins at its last row: the one before the next corner's first
+    # a corner begins at its last row: the one before the next corner's first
+    if backwards.any() and not whole:
         is_last = np.empty_like(is_start)
         is_last[:-1] = is_start[1:]
         is_last[lo + size - 1] = is_start[lo]
