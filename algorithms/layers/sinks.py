@@ -199,23 +199,32 @@ class Sinks:
         return sink is not None
 
     def add(self, name, geometry, values, origin=""):
-        """Write a feature; a failure is an error, so that nothing is lost in silence.
+        """Write a feature; see `add_all`."""
+        self.add_all(name, [(geometry, values, origin)])
 
-        ``origin`` says in a few words what the feature is a result of.
+    def add_all(self, name, rows):
+        """Write features; a failure is an error, so that nothing is lost in silence.
+
+        Parameters
+        ----------
+        name : str
+        rows : iterable of (QgsGeometry or None, list, str or int)
+            The geometry and the values of each, and in a few words what it is a result of: a number is the
+            id of a feature. No value may be a `Sentence`: Qt takes no subclass of str for a text.
         """
-        # only a layer that was there before asks for fields by name. Never one feature again: where all
-        # values are the same but for some 1e-12, setAttributes leaves the old ones
-        feature = QgsFeature(self.fields[name]) if name in self._held else QgsFeature()
-        if geometry is not None:
-            feature.setGeometry(geometry)
-        if Sentence in map(type, values):  # Qt takes no subclass of str for a text
-            values = [str(value) if isinstance(value, Sentence) else value for value in values]
-        feature.setAttributes(values)
-        if name in self._held:
-            self._held[name].append(feature)
-        elif not self._sinks[name].addFeature(feature, _FAST):
-            raise QgsProcessingException(self._not_written(name, origin, geometry))
-        self._written[name] += 1
+        held, add, k = self._held.get(name), self._sinks[name].addFeature, 0
+        for k, (geometry, values, origin) in enumerate(rows, 1):
+            # only a layer that was there before asks for fields by name. Never one feature again: where all
+            # values are the same but for some 1e-12, setAttributes leaves the old ones
+            feature = QgsFeature() if held is None else QgsFeature(self.fields[name])
+            if geometry is not None:
+                feature.setGeometry(geometry)
+            feature.setAttributes(values)
+            if held is not None:
+                held.append(feature)
+            elif not add(feature, _FAST):
+                raise QgsProcessingException(self._not_written(name, origin, geometry))
+        self._written[name] += k
 
     def write_text(self, path, text):
         """Write a report, which is removed with the layers if anything fails."""
@@ -263,6 +272,8 @@ class Sinks:
 
     def _not_written(self, name, origin="", geometry=None):
         """Why a result could not be written, and what to do about it."""
+        if isinstance(origin, int):
+            origin = Sentence("feature {}", origin)
         origin = origin and f" ({spoken(origin)})"
         kind = self._types[name]
         if geometry and not geometry.isNull() and geometry.type() != QgsWkbTypes.geometryType(kind):

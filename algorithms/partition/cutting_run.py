@@ -7,7 +7,7 @@ from itertools import repeat
 import numpy as np
 from qgis.core import NULL, QgsFeatureRequest, QgsProcessingUtils, QgsUnitTypes, QgsWkbTypes
 
-from ...core.errors import Cancelled, Sentence
+from ...core.errors import Cancelled
 from ...core.partition.features import costs, cuts, pieces, without_vertex
 from ...core.partition.solve import finish
 from ...core.progress import stretch
@@ -151,9 +151,8 @@ class _Writer:
         """Write the solution of a chunk, and tell what of it could not be solved."""
         chunk, tool = problem.chunk, self.tool
         found = pieces(problem, solution.parts)
-        cost, bound, gap = costs(problem, solution)
+        cost, bound, _ = costs(problem, solution)
         solved = problem.solved
-        some = np.bincount(problem.owner[solved], minlength=len(chunk.features)) > 0
         self.numbers[tool.COST] += float(cost.sum())
         self.numbers[tool.LOWER_BOUND] += float(bound.sum())
         self.numbers[tool.MAX_DILATION] = float(
@@ -169,15 +168,15 @@ class _Writer:
         selected = own & (solution.role == 0)
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
         self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
-        lines = [
-            rows
-            for rows, wanted in (
-                (self._cuts(problem, solution, found), self.with_cuts),
-                (self._diagonals(problem, solution, own), self.with_diagonals),
-            )
-            if wanted
-        ]
+        self.sinks.add_all(tool.OUTPUT, self._parts(problem, solution, found, feedback, check))
+        if self.with_cuts:
+            self.sinks.add_all(tool.CUTS, self._cuts(problem, solution, found))
+        if self.with_diagonals:
+            self.sinks.add_all(tool.DIAGONALS, self._diagonals(problem, solution, own))
 
+    def _parts(self, problem, solution, found, feedback, check):
+        """Geometry and values of each part, and the id of its feature."""
+        chunk, tool = problem.chunk, self.tool
         geometries = wkb.polygon_geometries(
             chunk.rings.coords,
             found.rows,
@@ -186,36 +185,31 @@ class _Writer:
             [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()],
             self.multi,
         )
+        cost, _, gap = costs(problem, solution)
+        solved = np.bincount(problem.owner[problem.solved], minlength=len(chunk.features)) > 0
         verdicts = problem.verdict[found.polygon].tolist()
         bounds = found.feature_offsets.tolist()
         more = repeat([])
         if self.extra_values is not None:
             more = self.extra_values(problem, solution)
-        values = zip(cost.tolist(), gap.tolist(), some.tolist(), more)
+        values = zip(chunk.features, bounds, bounds[1:], solved.tolist(), cost.tolist(), gap.tolist(), more)
         nothing = [NULL] * len(tool.extra_fields)
-        for f, (feature, (own_cost, own_gap, is_solved, more)) in enumerate(zip(chunk.features, values)):
+        for f, (feature, lo, hi, is_solved, *numbers, more) in enumerate(values):
             if f % 8 == 0:
                 check(f / len(chunk.features))
-            lo, hi = bounds[f], bounds[f + 1]
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), Sentence("feature {}", feature.id())
-            if not is_solved:  # nothing solved: the feature as it is
+            attributes, number = feature.attributes(), feature.id()
+            if is_solved:
+                for k in range(lo, hi):
+                    part = [k - lo + 1, hi - lo, str(verdicts[k]), *numbers, number, *more]
+                    yield next(geometries), attributes + part, number
+                self.numbers[tool.PART_COUNT] += hi - lo
+            else:  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
-                part = [1, 1, text, NULL, NULL, feature.id(), *nothing]
-                self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + part, origin)
+                part = [1, 1, text, NULL, NULL, number, *nothing]
+                yield feature.geometry(), attributes + part, number
                 self.numbers[tool.PART_COUNT] += 1
-                self.done += 1
-                continue
-            for k in range(lo, hi):
-                part = [k - lo + 1, hi - lo, verdicts[k], own_cost, own_gap, feature.id(), *more]
-                self.sinks.add(tool.OUTPUT, next(geometries), attributes + part, origin)
-            self.numbers[tool.PART_COUNT] += hi - lo
-            for name, of, rows in lines:
-                while of and of[-1] == f:
-                    of.pop()
-                    geometry, line = next(rows)
-                    self.sinks.add(name, geometry, [feature.id(), *line], origin)
             self.done += 1
 
     def pass_on(self, source):
@@ -224,36 +218,31 @@ class _Writer:
         for k, feature in enumerate(source.getFeatures(QgsFeatureRequest(), WITHOUT_VALIDITY_CHECK)):
             if k >= self.done:
                 more = [*rest, feature.id(), *[NULL] * len(self.tool.extra_fields)]
-                self.sinks.add(self.tool.OUTPUT, feature.geometry(), feature.attributes() + more)
+                self.sinks.add(
+                    self.tool.OUTPUT, feature.geometry(), feature.attributes() + more, feature.id()
+                )
 
     def _cuts(self, problem, solution, found):
-        """Name of the layer; the feature of each cut, the last one first; geometries and values."""
+        """Geometry and values of each cut, and the id of its feature."""
         chosen, fields = cuts(problem, solution, found)
-        values = map(list, zip(*map(_or_nulls, fields.values())))
-        return self._lines(self.tool.CUTS, problem, solution, chosen, values)
+        return self._lines(problem, solution, chosen, map(_or_nulls, fields.values()))
 
     def _diagonals(self, problem, solution, own):
         """The same of all candidates."""
-        if not self.with_diagonals:
-            return None
         chosen = np.flatnonzero(own)
-        values = map(
-            list,
-            zip(
-                *(_or_nulls(x[chosen]) for x in (solution.length, solution.detour, solution.dilation)),
-                [ROLES[role] for role in solution.role[chosen].tolist()],
-            ),
-        )
-        return self._lines(self.tool.DIAGONALS, problem, solution, chosen, values)
+        fields = (_or_nulls(x[chosen]) for x in (solution.length, solution.detour, solution.dilation))
+        roles = [ROLES[role] for role in solution.role[chosen].tolist()]
+        return self._lines(problem, solution, chosen, [*fields, roles])
 
     @staticmethod
-    def _lines(name, problem, solution, chosen, values):
+    def _lines(problem, solution, chosen, columns):
+        chunk = problem.chunk
         feature = problem.owner[solution.owner[chosen]].tolist()
         rows, offsets = problem.prepared.way_rows(chosen)
-        geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, rows, [problem.chunk.extra[f] for f in feature], offsets
-        )
-        return name, feature[::-1], zip(geometries, values)
+        geometries = wkb.line_geometries(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
+        numbers = [one.id() for one in chunk.features]
+        numbers = [numbers[f] for f in feature]
+        return zip(geometries, map(list, zip(numbers, *columns)), numbers)
 
     def report(self, feedback):
         """Say in the log what was done."""

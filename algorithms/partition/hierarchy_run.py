@@ -6,7 +6,7 @@ from contextlib import suppress
 import numpy as np
 from qgis.core import NULL, QgsProcessingUtils, QgsWkbTypes
 
-from ...core.errors import Cancelled, Sentence
+from ...core.errors import Cancelled
 from ...core.partition.features import without_vertex
 from ...core.partition.nesting import NO_END, cuts, items_of, nest, shapes
 from ...core.progress import stretch
@@ -82,48 +82,50 @@ class _Writer:
         self.most = max(self.most, int(items.level.max(initial=-1)) + 1)
         self.numbers[tool.CUT_COUNT] += int(nested.cuts.sum())
 
+        self.sinks.add_all(tool.OUTPUT, self._items(problem, nested, items, feedback, check))
+        if self.with_cuts:
+            self.sinks.add_all(tool.CUTS, self._cuts(problem, nested))
+
+    def _items(self, problem, nested, items, feedback, check):
+        """Geometry and values of each part of each level, and the id of its feature."""
+        chunk, tool = problem.chunk, self.tool
+        count = len(chunk.features)
         geometries = _geometries(problem, nested, items, self.multi)
         bounds = np.searchsorted(items.feature, np.arange(count + 1)).tolist()
         values = list(zip(*(x.tolist() for x in (
             items.number, items.parent, items.level, items.from_tau, items.to_tau
         ))))  # fmt: skip
         verdicts = np.where(items.whole >= 0, problem.verdict[items.whole], "").tolist()
-        cuts, lines = self._cuts(problem, nested) if self.with_cuts else ([], None)
         for f, feature in enumerate(chunk.features):
             lo, hi = bounds[f], bounds[f + 1]
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, origin = feature.attributes(), Sentence("feature {}", feature.id())
+            attributes, number = feature.attributes(), feature.id()
             if all(verdicts[lo:hi]):  # nothing solved: the feature as it is
                 for _ in range(lo, hi):
                     next(geometries)
-                more = [1, NULL, 0, float(nested.tau[f]), NO_END, feature.id(), text]
-                self.sinks.add(tool.OUTPUT, feature.geometry(), attributes + more, origin)
+                more = [1, NULL, 0, float(nested.tau[f]), NO_END, number, text]
+                yield feature.geometry(), attributes + more, number
                 self.numbers[tool.PART_COUNT] += 1
                 continue
             for k in range(lo, hi):
                 if k % 64 == 0:
                     check((f + (k - lo) / (hi - lo)) / count)
-                number, parent, *rest = values[k]
-                more = [number, parent or NULL, *rest, feature.id(), verdicts[k]]
-                self.sinks.add(tool.OUTPUT, next(geometries), attributes + more, origin)
+                part, parent, *rest = values[k]
+                more = [part, parent or NULL, *rest, number, str(verdicts[k])]
+                yield next(geometries), attributes + more, number
             self.numbers[tool.PART_COUNT] += hi - lo
-            while cuts and cuts[-1] == f:
-                cuts.pop()
-                geometry, line = next(lines)
-                self.sinks.add(tool.CUTS, geometry, [feature.id(), *line], origin)
 
     def _cuts(self, problem, nested):
-        """The feature of each cut, the last one first; geometries and values, by feature and rank."""
+        """Geometry and values of each cut, and the id of its feature, by feature and rank."""
+        chunk = problem.chunk
         feature, edges, fields = cuts(problem, nested)
-        values = (
-            [length, detour if math.isfinite(detour) else NULL, *more]
-            for length, detour, *more in zip(*(x.tolist() for x in fields.values()))
-        )
+        feature = feature.tolist()
         rows, offsets = problem.prepared.way_rows(edges)
-        geometries = wkb.line_geometries(
-            problem.chunk.rings.coords, rows, [problem.chunk.extra[f] for f in feature.tolist()], offsets
-        )
-        return feature.tolist()[::-1], zip(geometries, values)
+        geometries = wkb.line_geometries(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
+        columns = zip(*(x.tolist() for x in fields.values()))
+        for f, geometry, (length, detour, *more) in zip(feature, geometries, columns):
+            number = chunk.features[f].id()
+            yield geometry, [number, length, detour if math.isfinite(detour) else NULL, *more], number
 
     def report(self, feedback):
         """Say in the log what was done."""
