@@ -296,10 +296,12 @@ def shapes(xy: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray) -> 
     >>> shapes(np.array([[0, 0], [2, 0], [2, 1.0]]), np.array([0, 3]), np.array([0, 1]))[0].area
     1.0
     """
-    lines = shapely.linearrings(xy, indices=groups(offsets))
-    if len(lines) == len(polygon_offsets) - 1:
-        return shapely.polygons(lines)
-    return shapely.polygons(lines, indices=groups(polygon_offsets))
+    place, closed_offsets = closed(
+        offsets
+    )  # rings that are closed are taken as they are, without a copy each
+    return shapely.from_ragged_array(
+        shapely.GeometryType.POLYGON, xy.take(place, axis=0), (closed_offsets, polygon_offsets)
+    )
 
 
 def cycles(point: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

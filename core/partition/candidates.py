@@ -13,7 +13,7 @@ import shapely
 from ..metric import Metric
 from ..predicates import crossing
 from ..progress import ignore
-from ..rings import groups, shapes, signed_areas, take
+from ..rings import shapes, signed_areas, take
 from .feet import Places, concave_places, large_places, places
 from .natural import KEPT, Ways, natural
 from .polygon import Polygons, select, without_rings
@@ -324,9 +324,7 @@ def clear(polygons: Polygons, free: np.ndarray, edges: np.ndarray) -> np.ndarray
     for p in np.unique(polygons.polygon_of_ring[free]).tolist():
         ring = np.arange(*polygons.polygon_offsets[p : p + 2])
         index, offsets = take(polygons.offsets, ring[free[ring]])
-        holes = shapely.polygons(
-            shapely.linearrings(polygons.xy[polygons.vertex[index]], indices=groups(offsets))
-        )
+        holes = shapes(polygons.xy[polygons.vertex[index]], offsets, np.arange(len(offsets)))
         lines = shapely.linestrings(polygons.xy[edges[bounds[p] : bounds[p + 1]]])
         hit, _ = shapely.STRtree(holes).query(lines, predicate="intersects")
         clear[bounds[p] + hit] = False

@@ -21,13 +21,12 @@ import shapely
 
 from ..predicates import orientations
 from ..progress import ignore
-from ..rings import groups, offsets_of, spread
+from ..rings import groups, offsets_of, shapes, spread
 
 __all__ = ["ENGINES", "engine_name", "engine_names", "only_engine", "triangulate"]
 
 VARIABLE = "ISTHMUS_ENGINE"
 CALLS = 256  # of an engine, between two checks for a cancel
-SMALL = 1000  # vertices of a polygon; see _by_triangle
 ENGINES = ("triangle", "pythoncdt", "shapely")
 
 
@@ -183,11 +182,9 @@ def _by_triangle(xy, vertex_offsets, segments, segment_offsets, check):
         }
         if hole[p] < hole[p + 1]:
             graph["holes"] = holes[hole[p] : hole[p + 1]]
-        # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer; l: vertices
-        # divided by vertical lines only, a fifth faster for some 100 of them, and slower for many thousand
-        options = "pQBPNl" if vertex[p + 1] - vertex[p] < SMALL else "pQBPN"
+        # p: with segments; Q: quiet; B, P, N: no markers, segments and vertices in the answer
         try:
-            found.append(call(graph, options).get("triangles", nothing) if survives[p] else nothing)
+            found.append(call(graph, "pQBPN").get("triangles", nothing) if survives[p] else nothing)
         except RuntimeError:  # its own checks failed: coordinates too close for its arithmetic
             found.append(nothing)
     size = np.array([len(triangles) for triangles in found])
@@ -211,8 +208,8 @@ def _hole_points(xy, segments, segment_offsets):
         return np.empty((0, 2)), hole_offsets
     corners = np.repeat(hole, np.diff(offsets))
     size = np.diff(offsets)[hole]
-    lines = shapely.linearrings(xy[segments[corners, 0]], indices=groups(offsets_of(size)))
-    return shapely.get_coordinates(shapely.point_on_surface(shapely.polygons(lines))), hole_offsets
+    inside = shapes(xy[segments[corners, 0]], offsets_of(size), np.arange(len(size) + 1))
+    return shapely.get_coordinates(shapely.point_on_surface(inside)), hole_offsets
 
 
 # ---------------------------------------------------------------- CDT
@@ -337,8 +334,7 @@ def _by_geos(shapes):
 def _shapes(xy, segments, segment_offsets):
     """The polygons."""
     offsets = _ring_offsets(segments)
-    lines = shapely.linearrings(xy[segments[:, 0]], indices=groups(offsets))
-    return shapely.polygons(lines, indices=np.searchsorted(segment_offsets, offsets[:-1], side="right") - 1)
+    return shapes(xy[segments[:, 0]], offsets, np.searchsorted(offsets[:-1], segment_offsets))
 
 
 def _vertices_at(corners, polygon, xy, vertex_offsets):
