@@ -126,7 +126,7 @@ def prepare_aggregation(
     _kinds.least(tau, "tau", 1.0)
     _kinds.one_of(objective, "objective", OBJECTIVES[:2])
     _kinds.one_of(places, "places", PLACES)
-    origin = _kinds.source(areas, crs, "areas")
+    origin = _kinds.source(areas, crs, what="areas")
     settings = _settings(
         origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
     )
@@ -285,7 +285,7 @@ def aggregate(
         (regions, "regions"),
     ):
         _kinds.number(value, name, 0.0)
-    origin = _kinds.source(areas, crs, "areas")
+    origin = _kinds.source(areas, crs, what="areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
     found, arranged, left = _read(origin, texts)

@@ -492,7 +492,7 @@ def _given(origin: Source, candidates: Any) -> tuple[GivenLines, list]:
     """Lines to choose from, in the CRS of the polygons, and those that are not straight."""
     if hasattr(candidates, "to_crs") and candidates.crs is not None and hasattr(origin.crs, "is_geographic"):
         candidates = candidates.to_crs(origin.crs)
-    given = _kinds.source(candidates, None, "candidates")
+    given = _kinds.source(candidates, what="candidates")
     parts, owner = shapely.get_parts(given.geometries, return_index=True)
     straight = (shapely.get_type_id(parts) == 1) & (shapely.get_num_coordinates(parts) == 2)
     ids = given.ids

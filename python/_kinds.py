@@ -49,7 +49,7 @@ class Source(NamedTuple):
         return np.arange(len(self.geometries))
 
 
-def source(data: Any, crs: Any = None, what: str = "polygons") -> Source:
+def source(data: Any, crs: Any = None, *, what: str = "polygons") -> Source:
     """Return the geometries of whatever was given.
 
     Parameters

@@ -5,7 +5,9 @@ hierarchy. What `isthmus:partition` does for one tau then takes a hundredth of a
 the very cuts that the tool makes; the levels by number of parts are those of `isthmus:hierarchy`.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, NamedTuple
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from ...core.partition.solve import select
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
 from .solving import Settings, measure_of, prepare, read
+
+if TYPE_CHECKING:
+    from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsProcessingFeedback
 
 
 class Shown(NamedTuple):
@@ -49,14 +54,14 @@ class Preview(NamedTuple):
     nested: list
     tau: float
 
-    def largest_tau(self):
+    def largest_tau(self) -> float:
         """Return the tau from which on nothing is cut, but for what connects holes."""
         most = self.tau
         for _, persistence, _, _ in self.nested:
             most = max(most, float(persistence[persistence < NO_END].max(initial=self.tau)))
         return float(np.nextafter(most, np.inf))
 
-    def most_parts(self):
+    def most_parts(self) -> int:
         """Return the number of parts of the feature with the most."""
         most = 1
         for problem, (selected, _, _, place) in zip(self.problems, self.nested):
@@ -66,13 +71,13 @@ class Preview(NamedTuple):
             most = max(most, int(parts.max(initial=1)))
         return most
 
-    def unsolved(self):
+    def unsolved(self) -> list[str]:
         """Return why polygons cannot be cut, each reason once."""
         return list(dict.fromkeys(
             reason for problem in self.problems for reason in problem.verdict.tolist() if reason
         ))  # fmt: skip
 
-    def at_tau(self, tau):
+    def at_tau(self, tau: float) -> Shown:
         """Return the cuts that `isthmus:partition` makes for a tau.
 
         Returns
@@ -85,7 +90,7 @@ class Preview(NamedTuple):
             chosen.append((selection.selected, selection.carved.tree))
         return self._shown(chosen)
 
-    def at_parts(self, count):
+    def at_parts(self, count: int) -> Shown:
         """Return the cuts of the level in which each feature has so many parts, or the next best.
 
         Returns
@@ -125,7 +130,16 @@ class Preview(NamedTuple):
         return Shown(b"\x01" + head + lines.tobytes(), cuts, parts)
 
 
-def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=ignore, feedback=None):
+def preview(
+    features: list[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    *,
+    tau: float = 1.5,
+    places: str = NATURAL,
+    smallest_part: float = 1.0,
+    check: Callable = ignore,
+    feedback: QgsProcessingFeedback | None = None,
+) -> Preview:
     """Do what takes long.
 
     Parameters
