@@ -162,7 +162,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         return ""
 
     def range_problem(self, parameters: dict[str, Any]) -> str:
-        """Return a sentence about a number that its parameter does not take, or ''. QGIS does not say why."""
+        """Return a sentence about a number that its parameter does not take, or ''.
+
+        QGIS does not say why, and takes any number for a whole one: 1 for 1.5, say.
+        """
+        whole = QgsProcessingParameterNumber.Type.Integer
         for definition in self.parameterDefinitions():
             value = parameters.get(definition.name())
             if not isinstance(definition, QgsProcessingParameterNumber):
@@ -170,7 +174,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             if not isinstance(value, (int, float, str)):
                 continue
             value, least, most = float(value), definition.minimum(), definition.maximum()
-            if definition.dataType() == QgsProcessingParameterNumber.Type.Integer:
+            if definition.dataType() == whole:
                 most = min(most, 2**31 - 1)
             if value > most:
                 return tr("{} must be at most {:g}, and is {:g}.").format(definition.name(), most, value)
@@ -178,6 +182,8 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 return tr("{} must be a number of at least {:g}, and is {:g}.").format(
                     definition.name(), least, value
                 )
+            if definition.dataType() == whole and not value.is_integer():
+                return tr("{} must be a whole number, and is {}.").format(definition.name(), value)
         return ""
 
     def choice_problem(self, parameters: dict[str, Any]) -> str:

@@ -277,14 +277,12 @@ def aggregate(
     if distance == "table" and distances is None:
         raise ValueError("A table of class distances (distances) is needed, or another way to measure them.")
     weight = _weights(weights, weight_change, weight_boundary, weight_centre)
-    for value, name in (
-        (threshold, "threshold"),
-        (seconds, "seconds"),
-        (seed, "seed"),
-        (iterations, "iterations"),
-        (regions, "regions"),
-    ):
-        _kinds.number(value, name, 0.0)
+    _kinds.number(threshold, "threshold", 0.0)
+    _kinds.number(seconds, "seconds", 0.0)
+    seed, iterations, regions = (
+        _kinds.whole(value, name, 0)
+        for value, name in ((seed, "seed"), (iterations, "iterations"), (regions, "regions"))
+    )
     origin = _kinds.source(areas, crs, what="areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
@@ -332,15 +330,23 @@ def _tables(
     distances: Mapping[tuple, float] | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The smallest size of a region of each class, and the distance of each class to each other."""
+    listed: list[tuple] = []
+    if distance == "table" and distances is not None:
+        try:
+            listed = [(start, end, value) for (start, end), value in distances.items()]
+        except (AttributeError, TypeError, ValueError):
+            raise TypeError(
+                "distances must be a mapping of pairs of classes (from, to) to numbers."
+            ) from None
+    elif distances is not None:
+        _kinds.warn(f"distances are not used, since distance is {distance!r}. To use them, say 'table'.")
     theta, _ = class_thresholds(
         names,
         threshold,
         table=(thresholds or {}).items(),
         excluded=[text(one) or "" for one in excluded],
     )
-    matrix, _ = class_distances(
-        names, distance, [(a, b, value) for (a, b), value in (distances or {}).items()]
-    )
+    matrix, _ = class_distances(names, distance, listed)
     return theta, matrix
 
 

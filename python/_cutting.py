@@ -296,8 +296,7 @@ def tradeoff(
     _kinds.least(tau_min, "tau_min", 1.0)
     if not (tau_max == 0.0 or tau_max >= tau_min):
         raise ValueError(f"tau_max must be 0 or at least tau_min ({tau_min:g}), and is {tau_max:g}.")
-    if steps < 1:
-        raise ValueError(f"steps must be at least 1, and is {steps}.")
+    steps = _kinds.whole(steps, "steps", 1)
     origin = _kinds.source(polygons, crs)
     settings = _settings(
         origin, objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices

@@ -241,6 +241,14 @@ def number(value: Any, name: str, smallest: float) -> None:
     least(float(value), name, smallest)
 
 
+def whole(value: Any, name: str, smallest: int) -> int:
+    """Return a whole number from ``smallest`` on; complain of anything else."""
+    number(value, name, smallest)
+    if value != int(value):
+        raise ValueError(f"{name} must be a whole number, and is {float(value)}.")
+    return int(value)
+
+
 def one_of(value: str, name: str, known: Sequence[str]) -> None:
     """Complain of a word that is none of those known."""
     if value not in known:

@@ -242,6 +242,13 @@ class _Run:
             if source is None:
                 raise QgsProcessingException(tool.invalidSourceError(parameters, tool.DISTANCES))
             table = _rows(source, "DISTANCES", ("from", "to", "distance"))
+        elif parameters.get(tool.DISTANCES):
+            self.feedback.pushWarning(
+                tr(
+                    "The table of class distances (DISTANCES) is not used, since DISTANCE is {}. To use it, "
+                    "choose table."
+                ).format(kind)
+            )
         matrix, one_way = distances(self.classes, kind, table)
         if one_way:
             self.feedback.pushInfo(
