@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from itertools import repeat
-from typing import Any, Callable
+from typing import Any, Callable, Collection
 
 import numpy as np
 from qgis.core import (
@@ -105,7 +105,7 @@ class Told:
         self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
         self.holes += int((~prepared.wanted[prepared.component]).sum())
 
-    def reason(self, feature: QgsFeature, verdicts: list[str], feedback: QgsProcessingFeedback) -> str:
+    def reason(self, feature: QgsFeature, verdicts: Collection[str], feedback: QgsProcessingFeedback) -> str:
         """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
         reasons = reasons_of(feature, verdicts) if not verdicts or any(verdicts) else ()
         if reasons:

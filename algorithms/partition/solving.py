@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Callable, Iterator, NamedTuple
+from typing import Any, Callable, Collection, Iterator, NamedTuple
 
 import numpy as np
 from qgis.core import (
@@ -216,7 +216,7 @@ def problems(
             yield prepare(chunk, settings, stretch(check, 0.0, share)), stretch(check, share, 1.0)
 
 
-def reasons_of(feature: QgsFeature, verdicts: list[str]) -> list[str]:
+def reasons_of(feature: QgsFeature, verdicts: Collection[str]) -> list[str]:
     """Return why polygons of a feature were not solved, each reason once, by the verdicts of all of them."""
     if not len(verdicts):
         return [shapeless(feature)]
