@@ -146,10 +146,12 @@ class _Writer:
                 counted(numbers[tool.CUT_COUNT], "cut"),
             )
         )
-        more = self.missed and tr(
-            "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
-            "gives more cuts to choose from."
-        ).format(counted(self.missed, "feature"))
+        more = ""
+        if self.missed:
+            more = tr(
+                "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
+                "gives more cuts to choose from."
+            ).format(counted(self.missed, "feature"))
         self.told.report(feedback, more)
 
 

@@ -75,7 +75,7 @@ class PartitionAlgorithm(CuttingTool):
     def flags(self) -> QgsProcessingAlgorithm.Flags:
         return super().flags() | QgsProcessingAlgorithm.Flag.FlagSupportsInPlaceEdits
 
-    def supportInPlaceEdit(self, layer: QgsMapLayer) -> bool:
+    def supportInPlaceEdit(self, layer: QgsMapLayer | None) -> bool:
         return isinstance(layer, QgsVectorLayer) and (
             layer.geometryType() == QgsWkbTypes.GeometryType.PolygonGeometry
         )

@@ -7,9 +7,10 @@ the very cuts that the tool makes; the levels by number of parts are those of `i
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
+from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsProcessingFeedback
 
 from ...core.partition.hierarchy import hierarchy
 from ...core.partition.nesting import NO_END, ranked
@@ -17,9 +18,6 @@ from ...core.partition.solve import select
 from ...core.progress import ignore, stretch
 from .cutting import NATURAL
 from .solving import Settings, measure_of, prepare, read
-
-if TYPE_CHECKING:
-    from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsProcessingFeedback
 
 
 class Shown(NamedTuple):
@@ -169,7 +167,7 @@ def preview(
         lines=None, new_vertices=False, weigh=None, all_dilations=False,
     )  # fmt: skip
     problems, nested = [], []
-    for chunk in read(features, settings, feedback):
+    for chunk in read(features, settings, feedback or QgsProcessingFeedback(False)):
         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
         prepared = problem.prepared
         selection = select(prepared, tau, check=stretch(check, 0.5, 0.6), with_dilation=False)
