@@ -1,17 +1,22 @@
 """What all tools share: icon, group, parameters."""
 
+from __future__ import annotations
+
 import functools
 import html
 import math
 import re
 from pathlib import Path
+from typing import Any, Iterable
 
 from qgis.core import (
     NULL,
     QgsApplication,
     QgsProcessing,
     QgsProcessingAlgorithm,
+    QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeatureSource,
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
@@ -30,7 +35,7 @@ ICON = str(RESOURCES / "icon.svg")
 
 OPTIONAL = QgsProcessingParameterDefinition.Flag.FlagOptional
 # The geometries of a parameter that takes one kind of layers
-KINDS = {
+KINDS: dict[tuple[int, ...], Any] = {
     (int(QgsProcessing.SourceType.TypeVectorPolygon),): QgsWkbTypes.GeometryType.PolygonGeometry,
     (int(QgsProcessing.SourceType.TypeVectorLine),): QgsWkbTypes.GeometryType.LineGeometry,
 }
@@ -60,26 +65,28 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             if name in vars(cls):
                 setattr(cls, name, _translated(getattr(cls, name)))
 
-    def createInstance(self):
+    def createInstance(self) -> IsthmusAlgorithm:
         return type(self)()
 
-    def icon(self):
+    def icon(self) -> QIcon:
         return QIcon(ICON)
 
-    def group(self):
+    def group(self) -> str:
         return tr("Partition")
 
-    def helpUrl(self):
+    def helpUrl(self) -> str:
         return help_url(self.name())
 
-    def groupId(self):
+    def groupId(self) -> str:
         return "partition"
 
-    def canExecute(self):
+    def canExecute(self) -> tuple[bool, str]:
         problem = dependency_problem()
         return not problem, problem
 
-    def checkParameterValues(self, parameters, context):
+    def checkParameterValues(
+        self, parameters: dict[str, Any], context: QgsProcessingContext
+    ) -> tuple[bool, str]:
         # qgis_process and scripts never ask canExecute
         parameters = self.with_names(parameters)
         try:
@@ -97,7 +104,9 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             return False, str(unreadable)
         return good and not problem, problem
 
-    def parameterAsSource(self, parameters, name, context):
+    def parameterAsSource(
+        self, parameters: dict[str, Any], name: str, context: QgsProcessingContext
+    ) -> QgsProcessingFeatureSource | None:
         try:
             return super().parameterAsSource(parameters, name, context)
         except QgsProcessingException:
@@ -110,7 +119,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 ).format(name, error)
             ) from error
 
-    def with_names(self, parameters):
+    def with_names(self, parameters: dict[str, Any]) -> dict[str, Any]:
         """Return parameters in which a choice has its name, though its number was given.
 
         QGIS takes the numbers of other tools' choices, but not of those that have names. Of an optional
@@ -127,18 +136,18 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 named[definition.name()] = _name_of(named[definition.name()], definition.options())
         return named
 
-    def any_problem(self, parameters, context):
+    def any_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         """Return a sentence about what is missing or what cannot be used, or ''."""
         return (
             dependency_problem() or self.text_problem(parameters) or self.choice_problem(parameters)
             or self.parameter_problem(parameters, context) or self.range_problem(parameters)
         )  # fmt: skip
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         """Return a sentence about a parameter that cannot be used, or ''."""
         return ""
 
-    def text_problem(self, parameters):
+    def text_problem(self, parameters: dict[str, Any]) -> str:
         """Return a sentence about a text where a number is wanted, or ''.
 
         QGIS takes any text for an optional number, and 0 for its value.
@@ -152,8 +161,12 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                     return tr("{} must be a number, and is {!r}.").format(definition.name(), value)
         return ""
 
-    def range_problem(self, parameters):
-        """Return a sentence about a number that its parameter does not take, or ''. QGIS does not say why."""
+    def range_problem(self, parameters: dict[str, Any]) -> str:
+        """Return a sentence about a number that its parameter does not take, or ''.
+
+        QGIS does not say why, and takes any number for a whole one: 1 for 1.5, say.
+        """
+        whole = QgsProcessingParameterNumber.Type.Integer
         for definition in self.parameterDefinitions():
             value = parameters.get(definition.name())
             if not isinstance(definition, QgsProcessingParameterNumber):
@@ -161,7 +174,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             if not isinstance(value, (int, float, str)):
                 continue
             value, least, most = float(value), definition.minimum(), definition.maximum()
-            if definition.dataType() == QgsProcessingParameterNumber.Type.Integer:
+            if definition.dataType() == whole:
                 most = min(most, 2**31 - 1)
             if value > most:
                 return tr("{} must be at most {:g}, and is {:g}.").format(definition.name(), most, value)
@@ -169,9 +182,11 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 return tr("{} must be a number of at least {:g}, and is {:g}.").format(
                     definition.name(), least, value
                 )
+            if definition.dataType() == whole and not value.is_integer():
+                return tr("{} must be a whole number, and is {}.").format(definition.name(), value)
         return ""
 
-    def choice_problem(self, parameters):
+    def choice_problem(self, parameters: dict[str, Any]) -> str:
         """Return a sentence about a choice that there is not, or ''. QGIS does not say which there are."""
         for definition in self.parameterDefinitions():
             if not isinstance(definition, QgsProcessingParameterEnum):
@@ -184,7 +199,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 )
         return ""
 
-    def kind_problem(self, parameters, context):
+    def kind_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         """Return a sentence about a layer of points where one of polygons is wanted, or ''.
 
         The window offers none; qgis_process and scripts take any. A layer of mixed geometries has no type.
@@ -201,14 +216,16 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
                 )
         return ""
 
-    def number_problem(self, parameters, context, name, least):
+    def number_problem(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, name: str, least: float
+    ) -> str:
         """Return a sentence about a number that is too small, infinite or none, or ''."""
         value = self.parameterAsDouble(parameters, name, context)
         if not least <= value < math.inf:
             return tr("{} must be a number of at least {:g}, and is {:g}.").format(name, least, value)
         return ""
 
-    def limit_problem(self, parameters, context, name):
+    def limit_problem(self, parameters: dict[str, Any], context: QgsProcessingContext, name: str) -> str:
         """Return a sentence about a number that is negative or above its largest value, or ''."""
         value = self.parameterAsDouble(parameters, name, context)
         if not value >= 0.0:
@@ -218,7 +235,14 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             return tr("{} must be at most {:g}, and is {:g}.").format(name, largest, value)
         return ""
 
-    def add(self, parameter, help_text, advanced=False, decimals=None):
+    def add(
+        self,
+        parameter: QgsProcessingParameterDefinition,
+        help_text: str,
+        *,
+        advanced: bool = False,
+        decimals: int | None = None,
+    ) -> None:
         """Add a parameter with its help; a number may say how many decimals its field shows."""
         parameter.setDescription(tr(parameter.description()))
         parameter.setHelp(tr(help_text))
@@ -229,12 +253,12 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
             parameter.setFlags(parameter.flags() | flag)
         self.addParameter(parameter)
 
-    def add_numbers(self, labels):
+    def add_numbers(self, labels: Iterable[tuple[str, str]]) -> None:
         """Add the numbers that the tool returns, from (name, label) pairs."""
         for name, label in labels:
             self.addOutput(QgsProcessingOutputNumber(name, tr(label)))
 
-    def shortHelpString(self):
+    def shortHelpString(self) -> str:
         blocks = [tr(block) for block in help_blocks(self.help_text)]
         if QgsApplication.platform() == "qgis_process":  # shows no HTML, and the parameters by itself
             texts = [re.sub("<[^>]*>", "", block.replace("<br/> ", "\n")) for block in blocks]
@@ -251,7 +275,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         text = "".join(blocks)
         return " ".join(text.replace("{lists}", "".join(lists)).split())
 
-    def source(self, parameters, context):
+    def source(self, parameters: dict[str, Any], context: QgsProcessingContext) -> QgsProcessingFeatureSource:
         """Return the layer INPUT."""
         source = self.parameterAsSource(parameters, self.INPUT, context)
         if source is None:
@@ -259,7 +283,7 @@ class IsthmusAlgorithm(QgsProcessingAlgorithm):
         return source
 
 
-def help_blocks(text):
+def help_blocks(text: str) -> list[str]:
     """Return the headings and paragraphs of a help text, each on one line: what is translated at once."""
     return [" ".join(block.split()) for block in re.split(r"(?=<p>|<h3>|\{lists\})", text) if block.strip()]
 
@@ -307,16 +331,16 @@ def _without_frames(process):
     return processAlgorithm
 
 
-def grouped(number, form=","):
+def grouped(number: float, form: str = ",") -> str:
     """Return a number with its digits in groups of three."""
     return format(number, form).replace(",", tr(","))  # elsewhere a comma stands before decimals
 
 
-def amount(value):
+def amount(value: float) -> str:
     """Return a size or a cost as text: 1,234,567 or 12.3457."""
     return grouped(value, ",.0f") if 1000.0 <= abs(value) < 1e15 else f"{value:.6g}"
 
 
-def counted(number, what):
+def counted(number: int, what: str) -> str:
     """Return "1 area" or "2 areas"."""
     return f"{grouped(number)} {tr(what if number == 1 else f'{what}s')}"

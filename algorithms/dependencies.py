@@ -3,6 +3,8 @@
 Not numpy: Processing itself does not start without it.
 """
 
+from __future__ import annotations
+
 import importlib.util
 import platform
 import shutil
@@ -32,7 +34,7 @@ WHEELS = {
 }
 
 
-def dependency_problem():
+def dependency_problem() -> str:
     """Return what is missing and which command installs it, or '' if the tools can run."""
     try:
         import shapely
@@ -45,7 +47,7 @@ def dependency_problem():
     return problem and f"{as_sentence(spoken(problem))} {install_hint(numpy.__version__)}"
 
 
-def engines_with_wheels(version=None, machine=None):
+def engines_with_wheels(*, version: tuple[int, int] | None = None, machine: str | None = None) -> list[str]:
     """Return the triangulation engines that pip can install, those that are free for all first.
 
     Parameters
@@ -57,7 +59,7 @@ def engines_with_wheels(version=None, machine=None):
     """
     if sys.implementation.name != "cpython":
         return []
-    version = tuple(version or sys.version_info[:2])
+    version = version or sys.version_info[:2]
     machine = machine or _machine()
     return [
         name
@@ -73,7 +75,7 @@ def _machine():
     return sysconfig.get_platform()
 
 
-def install_hint(numpy_version, packages=None):
+def install_hint(numpy_version: str, packages: list[str] | None = None) -> str:
     """Return how to install packages without touching QGIS's numpy.
 
     Parameters
@@ -104,7 +106,9 @@ def install_hint(numpy_version, packages=None):
     ).format(where, command, remark)
 
 
-def python_program(executable=None, prefix=None, system=None):
+def python_program(
+    *, executable: str | None = None, prefix: str | None = None, system: str | None = None
+) -> str:
     """Return the program of the running Python; QGIS itself may be what ``sys.executable`` names.
 
     Parameters
@@ -112,10 +116,9 @@ def python_program(executable=None, prefix=None, system=None):
     executable, prefix, system : str, optional
         Instead of `sys.executable`, `sys.prefix` and `sys.platform`.
     """
-    executable, system = Path(executable or sys.executable or "python3"), system or sys.platform
-    if executable.stem.lower().startswith("python"):
-        return str(executable)
-    prefix = Path(prefix or sys.prefix)
+    program, system = Path(executable or sys.executable or "python3"), system or sys.platform
+    if program.stem.lower().startswith("python"):
+        return str(program)
     version = ".".join(map(str, sys.version_info[:2]))
     names = (
         ("python3.exe", "python.exe")
@@ -128,7 +131,7 @@ def python_program(executable=None, prefix=None, system=None):
         )
     )
     # QGIS.app/Contents/MacOS/QGIS has its Python beside it, or in Contents/Frameworks
-    for place in (prefix, executable.parent, *executable.parents[1:3]):
+    for place in (Path(prefix or sys.prefix), program.parent, *program.parents[1:3]):
         for name in names:
             if (place / name).exists():
                 return str(place / name)

@@ -6,6 +6,9 @@ could bring a numpy along: of each package the newest wheel is taken that fits t
 the numpy that is there.
 """
 
+from __future__ import annotations
+
+import functools
 import hashlib
 import importlib
 import io
@@ -18,10 +21,14 @@ import sys
 import sysconfig
 import zipfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, NamedTuple
 
 from .dependencies import engines_with_wheels
 from .words import tr
+
+if TYPE_CHECKING:
+    from qgis.core import QgsFeedback
+
 
 INDEX = "https://pypi.org/simple/{}/"
 SIMPLE = "application/vnd.pypi.simple.v1+json"
@@ -36,6 +43,9 @@ PURPOSES = {
     "triangle": "triangulation, and focus maps",
     "scipy": "exact aggregation, and focus maps",
 }
+
+
+Get = Callable[[str, Dict[str, str]], bytes]  # what is at a web address, asked for with headers
 
 
 class PackageError(Exception):
@@ -56,14 +66,14 @@ class Wheel(NamedTuple):
 # --- the folder ---------------------------------------------------------------------------------------
 
 
-def folder():
+def folder() -> Path:
     """Return the folder of this profile and this Python: after an update of QGIS another one counts."""
     from qgis.core import QgsApplication
 
     return Path(QgsApplication.qgisSettingsDirPath()) / "isthmus" / sys.implementation.cache_tag
 
 
-def activate():
+def activate() -> None:
     """Put the folder on ``sys.path``, if there is one. Called when the plugin starts."""
     place = folder()
     if (place / MARKER).exists():
@@ -74,13 +84,13 @@ def activate():
         importlib.invalidate_caches()
 
 
-def installed():
+def installed() -> list[str]:
     """Return what is in the folder, as "name version"."""
     names = sorted(path.name[: -len(".dist-info")] for path in folder().glob("*.dist-info"))
     return [" ".join(name.rsplit("-", 1)) for name in names]
 
 
-def remove():
+def remove() -> bool:
     """Remove the folder; return whether that is done, or waits for the next start of QGIS.
 
     Windows deletes no library that is in use.
@@ -100,7 +110,7 @@ def remove():
 # --- what is missing ----------------------------------------------------------------------------------
 
 
-def missing():
+def missing() -> list[str]:
     """Return the names of the packages that this QGIS lacks and that can be fetched for it."""
     names = []
     try:
@@ -131,7 +141,7 @@ def _importable(name):
 # --- which wheel --------------------------------------------------------------------------------------
 
 
-def find(name, numpy_version, get):
+def find(name: str, numpy_version: str, get: Get) -> Wheel:
     """Return the newest wheel of a package that fits this Python and this numpy.
 
     Parameters
@@ -168,7 +178,7 @@ def find(name, numpy_version, get):
     )
 
 
-def fits_tags(python, abi, platforms):
+def fits_tags(python: str, abi: str, platforms: str) -> bool:
     """Return whether a wheel with these tags runs here."""
     own = f"cp{sys.version_info[0]}{sys.version_info[1]}"
     if sys.implementation.name != "cpython":
@@ -182,7 +192,9 @@ def fits_tags(python, abi, platforms):
     return right and any(map(fits_platform, platforms.split(".")))
 
 
-def fits_platform(tag, system=None, machine=None, release=None):
+def fits_platform(
+    tag: str, *, system: str | None = None, machine: str | None = None, release: tuple[int, ...] | None = None
+) -> bool:
     """Return whether this system takes wheels with a platform tag.
 
     Parameters
@@ -203,32 +215,35 @@ def fits_platform(tag, system=None, machine=None, release=None):
     if system == "darwin":
         match = re.fullmatch(r"macosx_(\d+)_(\d+)_(\w+)", tag)
         release = release or numbers(platform.mac_ver()[0])[:2]
-        return (
-            bool(match) and (int(match[1]), int(match[2])) <= release
-            and match[3] in (machine, "universal2")
-        )  # fmt: skip
+        if match is None:
+            return False
+        return (int(match[1]), int(match[2])) <= release and match[3] in (machine, "universal2")
     match = re.fullmatch(r"(manylinux\d+|manylinux_(\d+)_(\d+))_(\w+)", tag)
     if not match or match[4] != machine:
         return False
     if release is None:
         try:
-            release = numbers(os.confstr("CS_GNU_LIBC_VERSION").split()[-1])[:2]
-        except (AttributeError, OSError, ValueError):  # no glibc
+            release = numbers((os.confstr("CS_GNU_LIBC_VERSION") or "").split()[-1])[:2]
+        except (AttributeError, IndexError, OSError, ValueError):  # no glibc
             return False
-    needed = OLD_LINUX.get(match[1]) or (match[2] and (int(match[2]), int(match[3])))
-    return bool(needed) and needed <= release
+    needed = (int(match[2]), int(match[3])) if match[2] else OLD_LINUX.get(match[1])
+    return needed is not None and needed <= release
 
 
-def numbers(version):
+def numbers(version: str) -> tuple[int, ...]:
     """Return a version as a tuple, to be compared; what is no number ends it."""
-    return tuple(int(word) for word in re.match(r"(?:\d+\.?)*", version)[0].split(".") if word)
+    found = re.match(r"(?:\d+\.?)*", version)
+    return tuple(int(word) for word in found[0].split(".") if word) if found else ()
 
 
-def accepts(specification, version):
-    """Return whether a specification such as '>=1.23,<2.7' accepts a version."""
+def accepts(specification: str, version: str) -> bool:
+    """Return whether a specification such as '>=1.23,<2.7' accepts a version; one not understood does not."""
     own = numbers(version)
     for part in filter(None, (word.strip() for word in specification.strip("() ").split(","))):
-        operator, text = re.fullmatch(r"(~=|[=!<>]=|[<>])\s*([\w.*+]+)", part).groups()
+        found = re.fullmatch(r"(~=|[=!<>]=|[<>])\s*([\w.*+]+)", part)
+        if found is None:
+            return False
+        operator, text = found.groups()
         wanted = numbers(text)
         # 1.24 is 1.24.0
         long = max(len(own), len(wanted))
@@ -248,7 +263,7 @@ def accepts(specification, version):
     return True
 
 
-def requirements(wheel, get):
+def requirements(wheel: Wheel, get: Get) -> dict[str, str]:
     """Return which packages a wheel needs, by its METADATA: name to specification."""
     with zipfile.ZipFile(_Remote(wheel, get)) as archive:
         (name,) = [name for name in archive.namelist() if re.fullmatch(r"[^/]+\.dist-info/METADATA", name)]
@@ -257,8 +272,9 @@ def requirements(wheel, get):
     for line in re.findall(r"^Requires-Dist: *(.*)$", text.split("\n\n")[0], re.MULTILINE):
         requirement, _, marker = line.partition(";")
         if "extra" not in marker:
-            own, specification = re.match(r"([\w.-]+)\s*(.*)", requirement.strip()).groups()
-            wants[own.lower()] = specification
+            found = re.match(r"([\w.-]+)\s*(.*)", requirement.strip())
+            if found:
+                wants[found[1].lower()] = found[2]
     return wants
 
 
@@ -300,7 +316,7 @@ class _Remote(io.RawIOBase):
 # --- fetching -----------------------------------------------------------------------------------------
 
 
-def fetch(url, headers=None, feedback=None):
+def fetch(url: str, headers: dict[str, str] | None = None, *, feedback: QgsFeedback | None = None) -> bytes:
     """Return what is at a web address, by QGIS's own network settings (proxy, certificates)."""
     from qgis.core import QgsBlockingNetworkRequest
     from qgis.PyQt.QtCore import QUrl
@@ -326,7 +342,14 @@ def fetch(url, headers=None, feedback=None):
     return bytes(blocking.reply().content())
 
 
-def install(names, numpy_version, say, feedback=None, get=None):
+def install(
+    names: list[str],
+    numpy_version: str,
+    say: Callable[[str], Any],
+    *,
+    feedback: QgsFeedback | None = None,
+    get: Get | None = None,
+) -> None:
     """Fetch packages and unpack them into `folder`; all of them, or none.
 
     Parameters
@@ -341,7 +364,7 @@ def install(names, numpy_version, say, feedback=None, get=None):
     get : callable, optional
         As in `find`, instead of the web.
     """
-    get = get or (lambda url, headers=None: fetch(url, headers, feedback))
+    get = get or functools.partial(fetch, feedback=feedback)
     archives = []
     for name in names:
         wheel = find(name, numpy_version, get)

@@ -1,5 +1,7 @@
 """The Processing provider ``isthmus``."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 from qgis.core import QgsProcessingProvider
@@ -19,23 +21,23 @@ from .words import tr
 class IsthmusProvider(QgsProcessingProvider):
     """Lists the tools."""
 
-    def id(self):
+    def id(self) -> str:
         return "isthmus"
 
-    def name(self):
+    def name(self) -> str:
         return "Isthmus"
 
-    def longName(self):
+    def longName(self) -> str:
         return tr("Isthmus: natural partitions of polygons")
 
-    def icon(self):
+    def icon(self) -> QIcon:
         return QIcon(ICON)
 
-    def versionInfo(self):
+    def versionInfo(self) -> str:
         text = (Path(__file__).parent.parent / "metadata.txt").read_text(encoding="utf-8")
         return next(line[8:] for line in text.splitlines() if line.startswith("version="))
 
-    def loadAlgorithms(self):
+    def loadAlgorithms(self) -> None:
         for tool in (
             PartitionAlgorithm,
             PartitionBudgetAlgorithm,

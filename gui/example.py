@@ -1,14 +1,22 @@
 """*Try it on an example*: countries that come with the plugin, and their parts and cuts on the map."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from qgis.core import QgsCoordinateTransform, QgsProcessing, QgsProject, QgsVectorLayer
 
 from ..algorithms.base import RESOURCES, counted
 from ..algorithms.words import tr
 
+if TYPE_CHECKING:
+    from qgis.gui import QgisInterface
+
+
 EXAMPLE = RESOURCES / "example.geojson"  # of Natural Earth 1:10m, public domain
 
 
-def try_example(iface):
+def try_example(iface: QgisInterface) -> dict[str, Any]:
     """Load the example, cut it with the defaults of ``isthmus:partition``, and show the result.
 
     Returns

@@ -1,5 +1,9 @@
 """The menu Plugins > Isthmus, and the same menu as one button of the toolbar."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable
+
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices, QIcon
@@ -9,12 +13,20 @@ from ..algorithms.base import ICON
 from ..algorithms.dependencies import dependency_problem
 from ..algorithms.words import help_url, tr
 
+if TYPE_CHECKING:
+    from qgis.gui import QgisInterface
+    from qgis.PyQt.QtWidgets import QDialog
+
+    from .packages_dialog import PackagesDialog
+    from .panel import Panel
+
 
 class Menu:
     """The tools, the panel, the example, the packages and the help, in the window of ``iface``."""
 
-    def __init__(self, iface):
-        self.iface, self.panel, self.dialogs = iface, None, {}
+    def __init__(self, iface: QgisInterface) -> None:
+        self.iface, self.dialogs = iface, {}
+        self.panel: Panel | None = None
         icon = QIcon(ICON)
         self.menu = QMenu("Isthmus", iface.mainWindow())
         self.menu.setIcon(icon)
@@ -48,7 +60,7 @@ class Menu:
         action.triggered.connect(slot)
         return action
 
-    def open_tool(self, name, parameters=None):
+    def open_tool(self, name: str, parameters: dict[str, Any] | None = None) -> QDialog | None:
         """Open the dialog of a tool as the toolbox does."""
         if dependency_problem():
             return self.install_packages(lambda: self.open_tool(name, parameters))
@@ -59,7 +71,7 @@ class Menu:
             dialog.show()
         return dialog
 
-    def open_panel(self, _checked=False):
+    def open_panel(self, _checked: bool = False) -> Panel | PackagesDialog:
         """Show the panel to try tau."""
         if dependency_problem():
             return self.install_packages(self.open_panel)
@@ -71,7 +83,7 @@ class Menu:
         self.panel.raise_()
         return self.panel
 
-    def try_example(self, _checked=False):
+    def try_example(self, _checked: bool = False) -> dict[str, Any] | PackagesDialog:
         """Cut the countries that come with the plugin, with the defaults."""
         if dependency_problem():
             return self.install_packages(self.try_example)
@@ -79,15 +91,15 @@ class Menu:
 
         return try_example(self.iface)
 
-    def install_packages(self, then=None):
+    def install_packages(self, then: Callable[[], Any] | None = None) -> PackagesDialog:
         """Open the dialog that fetches missing packages; ``then`` goes on where one was missing."""
         from .packages_dialog import PackagesDialog
 
-        self.dialogs["packages"] = dialog = PackagesDialog(self.iface.mainWindow(), then)
+        self.dialogs["packages"] = dialog = PackagesDialog(self.iface.mainWindow(), then=then)
         dialog.show()
         return dialog
 
-    def unload(self):
+    def unload(self) -> None:
         """Take everything out of the window again."""
         for dialog in self.dialogs.values():
             dialog.close()

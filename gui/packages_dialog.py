@@ -1,5 +1,9 @@
 """The dialog that fetches what QGIS's Python lacks, if the user wants it."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable
+
 from qgis.core import QgsFeedback
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
@@ -9,6 +13,7 @@ from qgis.PyQt.QtWidgets import (
     QPlainTextEdit,
     QPushButton,
     QVBoxLayout,
+    QWidget,
 )
 
 from ..algorithms import packages
@@ -16,13 +21,18 @@ from ..algorithms.dependencies import dependency_problem, install_hint
 from ..algorithms.words import tr
 from .task import Task
 
+if TYPE_CHECKING:
+    from qgis.PyQt.QtGui import QCloseEvent
+
 
 class PackagesDialog(QDialog):
     """Says what is missing, where it would come from and go to, and does it or undoes it."""
 
-    def __init__(self, parent=None, then=None):
+    def __init__(self, parent: QWidget | None = None, *, then: Callable[[], Any] | None = None) -> None:
         super().__init__(parent)
-        self.then, self.task, self.feedback = then, None, None
+        self.then = then
+        self.task: Task | None = None
+        self.feedback: QgsFeedback | None = None
         self.setWindowTitle(tr("Isthmus: install packages"))
         self.resize(640, 420)
         layout = QVBoxLayout(self)
@@ -51,7 +61,7 @@ class PackagesDialog(QDialog):
         layout.addWidget(self.buttons)
         self.refresh()
 
-    def refresh(self):
+    def refresh(self) -> None:
         """Say how things stand now."""
         names = packages.missing()
         for name, box in self.choices.items():
@@ -70,7 +80,7 @@ class PackagesDialog(QDialog):
             there = ", ".join(packages.installed())
             self.log.appendPlainText(tr("In the folder: {names}").format(names=there))
 
-    def install(self):
+    def install(self) -> None:
         """Fetch what is chosen, in the background."""
         import numpy
 
@@ -78,22 +88,22 @@ class PackagesDialog(QDialog):
         self.feedback = QgsFeedback()
         self.task = Task(
             tr("Isthmus: fetching packages"),
-            lambda task: packages.install(names, numpy.__version__, task.said.emit, self.feedback),
+            lambda task: packages.install(names, numpy.__version__, task.said.emit, feedback=self.feedback),
             self.installed,
         )
         self.task.said.connect(self.log.appendPlainText)
         self.task.start()
         self.refresh()
 
-    def installed(self, _result, problem):
+    def installed(self, _result: Any, problem: Exception | None) -> None:
         """Say how it went, and go on with what was wanted."""
         self.task = None
         if problem is not None:
             import numpy
 
-            if not isinstance(problem, packages.PackageError):
-                problem = f"{type(problem).__name__}: {problem}"
-            self.log.appendPlainText(f"{problem}\n\n{install_hint(numpy.__version__)}")
+            known = isinstance(problem, packages.PackageError)
+            said = str(problem) if known else f"{type(problem).__name__}: {problem}"
+            self.log.appendPlainText(f"{said}\n\n{install_hint(numpy.__version__)}")
         elif dependency_problem():
             self.log.appendPlainText(tr("Please start QGIS again: an older shapely is in use."))
         self.refresh()
@@ -102,7 +112,7 @@ class PackagesDialog(QDialog):
             self.close()
             then()
 
-    def remove(self):
+    def remove(self) -> None:
         """Undo it."""
         done = packages.remove()
         self.log.appendPlainText(
@@ -110,7 +120,7 @@ class PackagesDialog(QDialog):
         )
         self.refresh()
 
-    def closeEvent(self, event):
+    def closeEvent(self, event: QCloseEvent) -> None:
         if self.feedback is not None:
             self.feedback.cancel()
         super().closeEvent(event)

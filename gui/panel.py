@@ -1,11 +1,14 @@
 """The panel to try tau: a slider moves the cuts on the map, and a button writes them."""
 
+from __future__ import annotations
+
 import math
 import re
 import shlex
 import shutil
 import sys
 import time
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsApplication,
@@ -48,13 +51,19 @@ from ..core.errors import Cancelled
 from ..core.progress import checker
 from .task import Task
 
+if TYPE_CHECKING:
+    from qgis.gui import QgisInterface
+
+    from ..algorithms.partition.preview import Preview, Shown
+
+
 STEPS = 1000  # of the slider
 SMALLEST_TAU, DEFAULT_TAU = 1.5, 3.0
 QUICK = 0.1  # seconds: what takes longer waits until the slider is let go
 COLOUR = QColor(215, 48, 39)
 
 
-def shell_command(words, system=sys.platform):
+def shell_command(words: list[str], system: str = sys.platform) -> str:
     """Return words as one command for the shell of a system; Windows' knows no ' as a quote."""
     if system != "win32":
         return shlex.join(words)
@@ -72,11 +81,15 @@ def _escaped(match):
 class Panel(QgsDockWidget):
     """Shows the cuts of a layer for a tau, or for a number of parts, on the map of ``iface``."""
 
-    def __init__(self, iface):
+    def __init__(self, iface: QgisInterface) -> None:
         super().__init__(tr("Isthmus: try values of tau"), iface.mainWindow())
         self.setObjectName("IsthmusPanel")
         self.iface, self.canvas = iface, iface.mapCanvas()
-        self.task = self.preview = self.shown = self.asked = self.writing = None
+        self.task: Task | None = None
+        self.preview: Preview | None = None
+        self.shown: Shown | None = None
+        self.asked: dict[str, Any] = {}  # for what the cuts were found: the layer and the parameters
+        self.writing: Any = None  # what runs: task, tool, context and feedback
         self.quick = True
         self.band = QgsRubberBand(self.canvas, QgsWkbTypes.GeometryType.LineGeometry)
         self.band.setColor(COLOUR)
@@ -144,20 +157,21 @@ class Panel(QgsDockWidget):
 
     def _chosen(self, layer):
         # the box says so, too, where other layers have come or gone
-        if self.asked is None or layer is not self.asked["INPUT"]:
+        if not self.asked or layer is not self.asked["INPUT"]:
             self.forget()
 
     def _removed(self, ids):
         # of this the box says nothing where another layer has come before
-        if self.asked is not None and self.asked["id"] in ids:
+        if self.asked and self.asked["id"] in ids:
             self.forget()
 
-    def forget(self):
+    def forget(self) -> None:
         """Take the cuts of another layer off the map."""
         if self.task is not None:
             self.task.cancel()
             self.task = None
-        self.preview = self.shown = self.asked = None
+        self.preview = self.shown = None
+        self.asked = {}
         self.band.reset(QgsWkbTypes.GeometryType.LineGeometry)
         self.progress.setValue(0)
         self.text.setText(tr("Choose a layer, and find its cuts once. Then move the slider."))
@@ -172,10 +186,11 @@ class Panel(QgsDockWidget):
         self.find_button.setText(tr("Cancel") if busy else tr("Find the cuts"))
         self.find_button.setEnabled(busy or self.layer_box.currentLayer() is not None)
 
-    def find(self, _checked=False):
+    def find(self, _checked: bool = False) -> Task | None:
         """Solve the layer in the background; pressed again, cancel."""
         if self.task is not None:
-            return self.forget()
+            self.forget()
+            return None
         self.forget()
         layer = self.layer_box.currentLayer()
         if layer is None:
@@ -210,7 +225,7 @@ class Panel(QgsDockWidget):
         self.task.start()
         return self.task
 
-    def found(self, result, problem):
+    def found(self, result: tuple[Preview, float] | None, problem: Exception | None) -> None:
         """Take what the background has found."""
         self.task = None
         if problem is not None:
@@ -240,20 +255,20 @@ class Panel(QgsDockWidget):
     def _largest(self):
         return max(self.preview.largest_tau(), DEFAULT_TAU) * 1.01
 
-    def tau(self):
+    def tau(self) -> float:
         """Return the tau that the slider stands at: it goes up by a factor, not by a difference."""
         share = self.slider.value() / STEPS
         value = SMALLEST_TAU * (self._largest() / SMALLEST_TAU) ** share
         return float(f"{value:.3g}")
 
-    def set_tau(self, tau, quiet=False):
+    def set_tau(self, tau: float, quiet: bool = False) -> None:
         """Move the slider to a tau, or next to it."""
         share = math.log(tau / SMALLEST_TAU) / math.log(self._largest() / SMALLEST_TAU)
         self.slider.setValue(round(STEPS * min(max(share, 0.0), 1.0)))
         if not quiet:
             self.update_cuts()
 
-    def update_cuts(self, _value=None):
+    def update_cuts(self, _value: int | None = None) -> None:
         """Show the cuts for where the slider stands."""
         if self.preview is None:
             return
@@ -275,7 +290,7 @@ class Panel(QgsDockWidget):
         self.text.setText(text)
         self.draw()
 
-    def draw(self):
+    def draw(self) -> None:
         """Draw the cuts that are shown, in the CRS of the map."""
         if self.shown is None:
             return
@@ -289,14 +304,14 @@ class Panel(QgsDockWidget):
 
     # --- writing -------------------------------------------------------------------------------------
 
-    def command(self):
+    def command(self) -> tuple[str, dict[str, Any]]:
         """Return the tool that makes what is shown, and its parameters but for the layers."""
         asked = {name: self.asked[name] for name in ("PLACES", "SMALLEST_PART")}
         if self.by_tau.isChecked():
             return "isthmus:partition", {"TAU": self.tau(), **asked}
         return "isthmus:hierarchy", {"TAU": SMALLEST_TAU, "PARTS": self.slider.value(), **asked}
 
-    def write(self, _checked=False):
+    def write(self, _checked: bool = False) -> QgsProcessingAlgRunnerTask:
         """Run the tool in the background, and load its layers."""
         tool, parameters = self.command()
         layer, project = self.asked["INPUT"], QgsProject.instance()
@@ -313,7 +328,7 @@ class Panel(QgsDockWidget):
         QgsApplication.taskManager().addTask(task)
         return task
 
-    def written(self, ok, _results):
+    def written(self, ok: bool, _results: dict[str, Any]) -> None:
         """Load the layers that the tool has made."""
         from processing.gui.Postprocessing import handleAlgorithmResults
 
@@ -325,7 +340,7 @@ class Panel(QgsDockWidget):
         else:
             self.iface.messageBar().pushWarning("Isthmus", tr("The layers could not be written."))
 
-    def copy_command(self, _checked=False):
+    def copy_command(self, _checked: bool = False) -> None:
         """Put the command that makes the layers onto the clipboard."""
         tool, parameters = self.command()
         layer = self.asked["INPUT"]
@@ -346,7 +361,7 @@ class Panel(QgsDockWidget):
 
     # --- the end -------------------------------------------------------------------------------------
 
-    def unload(self):
+    def unload(self) -> None:
         """Take the panel and its cuts out of the window."""
         self.forget()
         self.canvas.destinationCrsChanged.disconnect(self.draw)

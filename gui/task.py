@@ -1,5 +1,9 @@
 """Work in the background."""
 
+from __future__ import annotations
+
+from typing import Any, Callable
+
 from qgis.core import QgsApplication, QgsTask
 from qgis.PyQt.QtCore import pyqtSignal
 
@@ -12,23 +16,28 @@ class Task(QgsTask):
 
     said = pyqtSignal(str)
 
-    def __init__(self, title, work, done):
+    def __init__(
+        self, title: str, work: Callable[[Task], Any], done: Callable[[Any, Exception | None], Any]
+    ) -> None:
         super().__init__(title, QgsTask.Flag.CanCancel)
-        self.work, self.done = work, done
-        self.result = self.problem = None
+        self.work: Callable[[Task], Any] | None = work
+        self.done: Callable[[Any, Exception | None], Any] | None = done
+        self.result: Any = None
+        self.problem: Exception | None = None
 
-    def start(self):
+    def start(self) -> Task:
         QgsApplication.taskManager().addTask(self)
         return self
 
-    def run(self):
+    def run(self) -> bool:
         try:
-            self.result = self.work(self)
+            if self.work is not None:
+                self.result = self.work(self)
         except Exception as problem:  # whatever it is, the user has to be told
             self.problem = problem
         return self.problem is None
 
-    def finished(self, _ok):
+    def finished(self, _ok: bool) -> None:
         done, self.done, self.work = self.done, None, None
         if done is not None and not self.isCanceled():
             done(self.result, self.problem)

@@ -1352,6 +1352,10 @@
    <translation>Die Stufen, die sich am meisten lohnen: das einzustellende tau, und was es ergibt.</translation>
   </message>
   <message>
+   <source>The table of class distances (DISTANCES) is not used, since DISTANCE is {}. To use it, choose table.</source>
+   <translation>Die Tabelle der Klassenabstände (DISTANCES) wird nicht verwendet, da DISTANCE auf {} steht. Wählen Sie table, um sie zu verwenden.</translation>
+  </message>
+  <message>
    <source>The table of class distances (DISTANCES) knows nothing of class {}, which is on the map. Add rows from this class to the others.</source>
    <translation>Die Tabelle der Klassenabstände (DISTANCES) kennt die Klasse {} nicht, die in der Karte vorkommt. Ergänzen Sie Zeilen von dieser Klasse zu den anderen.</translation>
   </message>
@@ -2190,6 +2194,10 @@
   <message>
    <source>{} must be a number, and is {!r}.</source>
    <translation>{} muss eine Zahl sein und ist {!r}.</translation>
+  </message>
+  <message>
+   <source>{} must be a whole number, and is {}.</source>
+   <translation>{} muss eine ganze Zahl sein und ist {}.</translation>
   </message>
   <message>
    <source>{} must be at most {:g}, and is {:g}.</source>

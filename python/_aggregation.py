@@ -126,7 +126,7 @@ def prepare_aggregation(
     _kinds.least(tau, "tau", 1.0)
     _kinds.one_of(objective, "objective", OBJECTIVES[:2])
     _kinds.one_of(places, "places", PLACES)
-    origin = _kinds.source(areas, crs, "areas")
+    origin = _kinds.source(areas, crs, what="areas")
     settings = _settings(
         origin, objective, None, places, smallest_part, min_length, min_hole, None, new_vertices
     )
@@ -277,15 +277,13 @@ def aggregate(
     if distance == "table" and distances is None:
         raise ValueError("A table of class distances (distances) is needed, or another way to measure them.")
     weight = _weights(weights, weight_change, weight_boundary, weight_centre)
-    for value, name in (
-        (threshold, "threshold"),
-        (seconds, "seconds"),
-        (seed, "seed"),
-        (iterations, "iterations"),
-        (regions, "regions"),
-    ):
-        _kinds.number(value, name, 0.0)
-    origin = _kinds.source(areas, crs, "areas")
+    _kinds.number(threshold, "threshold", 0.0)
+    _kinds.number(seconds, "seconds", 0.0)
+    seed, iterations, regions = (
+        _kinds.whole(value, name, 0)
+        for value, name in ((seed, "seed"), (iterations, "iterations"), (regions, "regions"))
+    )
+    origin = _kinds.source(areas, crs, what="areas")
     values, texts = _classes(origin, class_)
     sources, size_column = _sources(origin, area_id)
     found, arranged, left = _read(origin, texts)
@@ -332,15 +330,23 @@ def _tables(
     distances: Mapping[tuple, float] | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The smallest size of a region of each class, and the distance of each class to each other."""
+    listed: list[tuple] = []
+    if distance == "table" and distances is not None:
+        try:
+            listed = [(start, end, value) for (start, end), value in distances.items()]
+        except (AttributeError, TypeError, ValueError):
+            raise TypeError(
+                "distances must be a mapping of pairs of classes (from, to) to numbers."
+            ) from None
+    elif distances is not None:
+        _kinds.warn(f"distances are not used, since distance is {distance!r}. To use them, say 'table'.")
     theta, _ = class_thresholds(
         names,
         threshold,
         table=(thresholds or {}).items(),
         excluded=[text(one) or "" for one in excluded],
     )
-    matrix, _ = class_distances(
-        names, distance, [(a, b, value) for (a, b), value in (distances or {}).items()]
-    )
+    matrix, _ = class_distances(names, distance, listed)
     return theta, matrix
 
 

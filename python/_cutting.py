@@ -296,8 +296,7 @@ def tradeoff(
     _kinds.least(tau_min, "tau_min", 1.0)
     if not (tau_max == 0.0 or tau_max >= tau_min):
         raise ValueError(f"tau_max must be 0 or at least tau_min ({tau_min:g}), and is {tau_max:g}.")
-    if steps < 1:
-        raise ValueError(f"steps must be at least 1, and is {steps}.")
+    steps = _kinds.whole(steps, "steps", 1)
     origin = _kinds.source(polygons, crs)
     settings = _settings(
         origin, objective, weight, places, smallest_part, min_length, min_hole, candidates, new_vertices
@@ -492,7 +491,7 @@ def _given(origin: Source, candidates: Any) -> tuple[GivenLines, list]:
     """Lines to choose from, in the CRS of the polygons, and those that are not straight."""
     if hasattr(candidates, "to_crs") and candidates.crs is not None and hasattr(origin.crs, "is_geographic"):
         candidates = candidates.to_crs(origin.crs)
-    given = _kinds.source(candidates, None, "candidates")
+    given = _kinds.source(candidates, what="candidates")
     parts, owner = shapely.get_parts(given.geometries, return_index=True)
     straight = (shapely.get_type_id(parts) == 1) & (shapely.get_num_coordinates(parts) == 2)
     ids = given.ids

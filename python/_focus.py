@@ -123,7 +123,7 @@ def enlarge(
     from .core.focus.graph import match
     from .core.focus.selection import rule_of
 
-    origin = _kinds.source(map, crs, "map")
+    origin = _kinds.source(map, crs, what="map")
     runs = _runs_of(origin)
     rows, starts, polygons = joined(runs)
     if len(starts) == 1:
@@ -219,7 +219,7 @@ def _of_crs(data: Any, origin: Source, what: str) -> Source:
     """A further layer, in the CRS of the map."""
     if hasattr(data, "to_crs") and data.crs is not None and hasattr(origin.crs, "is_geographic"):
         data = data.to_crs(origin.crs)
-    return _kinds.source(data, None, what)
+    return _kinds.source(data, what=what)
 
 
 def _region(focus: Source) -> Any:

@@ -49,7 +49,7 @@ class Source(NamedTuple):
         return np.arange(len(self.geometries))
 
 
-def source(data: Any, crs: Any = None, what: str = "polygons") -> Source:
+def source(data: Any, crs: Any = None, *, what: str = "polygons") -> Source:
     """Return the geometries of whatever was given.
 
     Parameters
@@ -239,6 +239,14 @@ def number(value: Any, name: str, smallest: float) -> None:
     if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
         raise TypeError(f"{name} must be a number, and is {value!r}.")
     least(float(value), name, smallest)
+
+
+def whole(value: Any, name: str, smallest: int) -> int:
+    """Return a whole number from ``smallest`` on; complain of anything else."""
+    number(value, name, smallest)
+    if value != int(value):
+        raise ValueError(f"{name} must be a whole number, and is {float(value)}.")
+    return int(value)
 
 
 def one_of(value: str, name: str, known: Sequence[str]) -> None:

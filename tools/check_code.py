@@ -1,7 +1,7 @@
 """Check the code as it stands, as pyproject.toml says: ``check_code.py FOLDER``.
 
-Lint, the order of imports and the format by ruff, types in core and in the Python package by mypy, and here
-that what is public in core/ and python/ says the types of all it takes and returns, and takes its options by
+Lint, the order of imports and the format by ruff, types in core, in the plugin and in the Python package by
+mypy, and here that what is public there says the types of all it takes and returns, and takes its options by
 name. Prints what it checked; exits with 1 if there is a fault.
 """
 
@@ -13,7 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-TYPED = ("core/**/*.py", "python/*.py")
+PLUGIN = ("__init__.py", "plugin.py", "algorithms", "core", "gui")
+TYPED = ("core/**/*.py", "python/*.py", "algorithms/**/*.py", "gui/**/*.py", "plugin.py", "__init__.py")
 
 
 def untyped(source):
@@ -49,7 +50,9 @@ def public(source, is_fault):
 
     def visit(body):
         for node in body:
-            if not isinstance(node, (ast.ClassDef, ast.FunctionDef)) or node.name.startswith("_"):
+            if not isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+                continue
+            if node.name.startswith("_") and node.name != "__init__":
                 continue
             if isinstance(node, ast.ClassDef):
                 visit(node.body)
@@ -67,8 +70,8 @@ def annotation_faults(folder):
 
 
 def option_faults(folder):
-    """Return what `by_place` finds in the core, as sentences."""
-    return _in_modules(folder, TYPED[:1], by_place, "takes more than one option by its place")
+    """Return what `by_place` finds in the same modules, as sentences."""
+    return _in_modules(folder, TYPED, by_place, "takes more than one option by its place")
 
 
 def _in_modules(folder, patterns, find, what):
@@ -95,9 +98,20 @@ def output(programs, folder, name, *arguments):
 
 def package_faults(programs, folder):
     """Return what mypy finds in the Python package, put together as pip does it."""
+    return _mypy_of(programs, folder, (("python", "isthmus"), ("core", "isthmus/core")))
+
+
+def plugin_faults(programs, folder):
+    """Return what mypy finds in the plugin, in a folder of its name as QGIS has it."""
+    return _mypy_of(programs, folder, [(name, f"isthmus/{name}") for name in PLUGIN])
+
+
+def _mypy_of(programs, folder, places):
     with tempfile.TemporaryDirectory() as scratch:
-        for name, place in (("python", "isthmus"), ("core", "isthmus/core")):
-            shutil.copytree(folder / name, Path(scratch) / place)
+        for name, place in places:
+            target = Path(scratch) / place
+            target.parent.mkdir(exist_ok=True)
+            (shutil.copytree if (folder / name).is_dir() else shutil.copy)(folder / name, target)
         options = ("--no-error-summary", "--config-file", folder / "pyproject.toml", "-p", "isthmus")
         return output(programs, Path(scratch), "mypy", *options)
 
@@ -116,6 +130,8 @@ def main():
         "types of what is public": annotation_faults(folder),
         "options by name": option_faults(folder),
     }
+    if (folder / "plugin.py").is_file():
+        checks["mypy of the plugin"] = plugin_faults(programs, folder)
     if (folder / "python").is_dir():
         checks["mypy of the Python package"] = package_faults(programs, folder)
     for check, lines in checks.items():

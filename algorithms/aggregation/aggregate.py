@@ -1,8 +1,14 @@
 """The tool ``isthmus:aggregate``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
@@ -14,7 +20,7 @@ from qgis.core import (
 )
 
 from ...core.aggregation.presets import BOUNDARIES, DISTANCES, METHODS, PRESETS
-from ..base import LARGEST, IsthmusAlgorithm
+from ..base import LARGEST
 from ..dependencies import install_hint
 from ..layers.fields import INTEGER, LONG, REAL, TEXT
 from ..words import as_sentence, spoken, tr
@@ -63,7 +69,7 @@ programming, IJGIS 24(12), 2010.</p>
 """
 
 
-class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
+class AggregateAlgorithm(AreasTool):
     """Aggregate the areas of a coverage into large regions."""
 
     help_text = HELP
@@ -98,22 +104,22 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
     LOST_COUNT = "LOST_COUNT"
     LOWER_BOUND = "LOWER_BOUND"
 
-    def name(self):
+    def name(self) -> str:
         return "aggregate"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Aggregate areas"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "aggregation,aggregate,generalize,generalization,land cover,land use,merge,dissolve,"
             "eliminate,minimum size,minimum mapping unit,region,class,annealing,optimize"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Joins small land-cover areas to regions of a minimum size at least cost."
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         add = self.add
         number = QgsProcessingParameterNumber.Type
         table = [QgsProcessing.SourceType.TypeVector]
@@ -271,7 +277,7 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
             )
         )
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         method = self.parameterAsString(parameters, self.METHOD, context)
         if method == "exact":
             problem = highs_problem()
@@ -295,13 +301,15 @@ class AggregateAlgorithm(AreasTool, IsthmusAlgorithm):
                 return problem
         return ""
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .aggregate_run import aggregate  # what runs needs shapely, what declares must not
 
         return aggregate(self, parameters, context, feedback)
 
 
-def highs_problem():
+def highs_problem() -> str:
     """Return what is missing for the exact method and how to install it, or ''."""
     from ...core.aggregation.exact import require_highs
     from ...core.errors import MissingEngine

@@ -1,14 +1,19 @@
 """What ``isthmus:aggregate`` runs."""
 
+from __future__ import annotations
+
 import contextlib
 import gc
+from typing import Any
 
 import numpy as np
 from qgis.core import (
     NULL,
     QgsFeatureRequest,
     QgsFields,
+    QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsWkbTypes,
 )
@@ -31,11 +36,16 @@ from ..layers.styles import style_on_load
 from ..words import as_sentence, spoken, tr
 from . import areas as layer
 from . import report, style
-from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS
+from .aggregate import ASSIGNED_FIELDS, REGION_FIELDS, AggregateAlgorithm
 from .areas_tool import field_index
 
 
-def aggregate(tool, parameters, context, feedback):
+def aggregate(
+    tool: AggregateAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:aggregate`; return its results."""
     source = tool.source(parameters, context)
     run = _Run(tool, parameters, context, feedback, source)
@@ -232,6 +242,13 @@ class _Run:
             if source is None:
                 raise QgsProcessingException(tool.invalidSourceError(parameters, tool.DISTANCES))
             table = _rows(source, "DISTANCES", ("from", "to", "distance"))
+        elif parameters.get(tool.DISTANCES):
+            self.feedback.pushWarning(
+                tr(
+                    "The table of class distances (DISTANCES) is not used, since DISTANCE is {}. To use it, "
+                    "choose table."
+                ).format(kind)
+            )
         matrix, one_way = distances(self.classes, kind, table)
         if one_way:
             self.feedback.pushInfo(

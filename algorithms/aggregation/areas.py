@@ -1,27 +1,39 @@
 """A layer of areas: what the two aggregation tools share."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Iterable, Sequence
+
 import numpy as np
 from qgis.core import (
     NULL,
+    QgsCoordinateReferenceSystem,
     QgsDistanceArea,
+    QgsFeature,
     QgsGeometry,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsRectangle,
     QgsUnitTypes,
     QgsWkbTypes,
 )
 
 from ...core.aggregation import tables
-from ...core.aggregation.areas import arrange
+from ...core.aggregation.areas import Areas, arrange
 from ...core.rings import offsets_of
 from ..base import counted
 from ..layers import wkb
 from ..partition.solving import degrees_of, measure_of
 from ..words import tr
 
+if TYPE_CHECKING:
+    from ..layers.source import Reader
+
+
 ODD = 0.05  # how much larger or smaller than on the ground sizes may be before it is said
 
 
-def with_dimensions(geometry, wkb_type):
+def with_dimensions(geometry: QgsGeometry, wkb_type: QgsWkbTypes.Type) -> QgsGeometry:
     """Return a geometry with the Z and M of a layer; what it lacks becomes 0."""
     own = geometry.wkbType()
     if own == wkb_type or geometry.isNull():
@@ -38,7 +50,7 @@ def with_dimensions(geometry, wkb_type):
     return geometry
 
 
-def metres_of(crs):
+def metres_of(crs: QgsCoordinateReferenceSystem) -> float:
     """Return the metres in one unit of `measure_of` a CRS; 1 where the unit is not known."""
     unknown = QgsUnitTypes.DistanceUnit.DistanceUnknownUnit
     if degrees_of(crs) or not crs.isValid() or crs.mapUnits() == unknown:
@@ -46,7 +58,12 @@ def metres_of(crs):
     return QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
 
 
-def tell_scale(feedback, crs, places, context):
+def tell_scale(
+    feedback: QgsProcessingFeedback,
+    crs: QgsCoordinateReferenceSystem,
+    places: np.ndarray,
+    context: QgsProcessingContext,
+) -> None:
     """Warn where the plane of a layer is no place to measure areas in, as that of Web Mercator.
 
     Parameters
@@ -89,7 +106,9 @@ def tell_scale(feedback, crs, places, context):
         )
 
 
-def tell_overlaps(feedback, features, overlaps, most=10):
+def tell_overlaps(
+    feedback: QgsProcessingFeedback, features: Sequence[QgsFeature], overlaps: np.ndarray, most: int = 10
+) -> None:
     """Warn of pairs of areas that overlap, by their numbers."""
     if len(overlaps):
         some = ", ".join(
@@ -103,7 +122,7 @@ def tell_overlaps(feedback, features, overlaps, most=10):
         )
 
 
-def read(reader, crs):
+def read(reader: Reader, crs: QgsCoordinateReferenceSystem) -> Areas:
     """Read the features of a layer.
 
     Parameters
@@ -122,7 +141,7 @@ def read(reader, crs):
     return arrange(kept, rings, owner, measure_of(crs), metres_of(crs))
 
 
-def joined_geometry(areas, polygons, extra, multi):
+def joined_geometry(areas: Areas, polygons: list[list[np.ndarray]], extra: int, multi: bool) -> QgsGeometry:
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
     made = list(
         wkb.polygon_geometries(
@@ -144,7 +163,7 @@ def _multi(geometry):
     return geometry
 
 
-def union(geometries):
+def union(geometries: list[QgsGeometry]) -> QgsGeometry:
     """Return the union of geometries that do not fit together, repaired where they are not valid."""
     valid = [one if one.isGeosValid() else one.makeValid() for one in geometries]
     # a repaired outline may have come apart in lines, too
@@ -159,12 +178,12 @@ def union(geometries):
     return whole if not whole.isEmpty() else QgsGeometry.collectGeometry(geometries)
 
 
-def text(value):
+def text(value: Any) -> str | None:
     """Return a class as text; None where there is none."""
     return tables.text(None if value == NULL else value)
 
 
-def texts(features, index):
+def texts(features: Iterable[QgsFeature], index: int) -> list[str | None]:
     """Return the `text` of one field of each feature."""
     known, found = {}, []
     for feature in features:

@@ -1,29 +1,37 @@
 """What the two aggregation tools declare in common: the areas and their classes."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingAlgorithm,
+    QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeatureSource,
     QgsProcessingParameterFeatureSource,
     QgsProcessingParameterField,
 )
 
+from ..base import IsthmusAlgorithm
 from ..words import tr
 
 __all__ = ["AreasTool", "field_index"]
 
 
-class AreasTool:
-    """A tool of the group *Area aggregation*; stands before `IsthmusAlgorithm` among the bases."""
+class AreasTool(IsthmusAlgorithm):
+    """A tool of the group *Area aggregation*; stands first among the bases."""
 
     CLASS = "CLASS"
 
-    def group(self):
-        return tr("Area aggregation")
+    def group(self) -> str:
+        return "Area aggregation"
 
-    def groupId(self):
+    def groupId(self) -> str:
         return "aggregation"
 
-    def add_areas(self, areas_help, class_help):
+    def add_areas(self, areas_help: str, class_help: str) -> None:
         """Add the layer of areas and the field of their classes."""
         self.add(
             QgsProcessingParameterFeatureSource(
@@ -37,7 +45,14 @@ class AreasTool:
         )
 
 
-def field_index(tool, parameters, context, source, name, needed=True):
+def field_index(
+    tool: QgsProcessingAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    source: QgsProcessingFeatureSource,
+    name: str,
+    needed: bool = True,
+) -> int:
     """Return the index of a field that a parameter names; -1 where it names none.
 
     Raises

@@ -1,7 +1,13 @@
 """The tool ``isthmus:prepareaggregation``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterNumber,
@@ -46,22 +52,22 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
     OVERLAP_COUNT = "OVERLAP_COUNT"
     GAP_COUNT = "GAP_COUNT"
 
-    def name(self):
+    def name(self) -> str:
         return "prepareaggregation"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Prepare areas for aggregation"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "aggregation,generalize,generalization,land cover,land use,split,bottleneck,coverage,"
             "neighbours,adjacency,shared boundary,topology"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Splits land-cover areas at bottlenecks before they are aggregated."
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         add = self.add
         number = QgsProcessingParameterNumber.Type
         self.add_areas(
@@ -86,7 +92,7 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
             ),
             "MinSize: as few cuts as possible. MinLength: as little length of cuts as possible.",
         )
-        self.add_places(ANY, 0.0)
+        self.add_places(places=ANY, smallest=0.0)
         self.add_new_vertices(
             "Only those where a cut ends are added, with Z and M interpolated. Neighbours get the same "
             "vertices, so that shared boundaries stay shared."
@@ -119,12 +125,14 @@ class PrepareAggregationAlgorithm(AreasTool, PartitionTool):
             )
         )
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         return self.number_problem(parameters, context, self.TAU, 1.0) or self.objective_problem(
             parameters, context
         )
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .prepare_aggregation_run import prepare_aggregation  # needs shapely, what declares must not
 
         return prepare_aggregation(self, parameters, context, feedback)

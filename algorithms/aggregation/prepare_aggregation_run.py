@@ -1,10 +1,14 @@
 """What ``isthmus:prepareaggregation`` runs."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from qgis.core import (
     QgsCoordinateReferenceSystem,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsWkbTypes,
 )
@@ -28,10 +32,15 @@ from ..partition.solving import Settings, measure_of, prepare, read, reasons_of
 from ..words import spoken, tr
 from . import areas as layer
 from .areas_tool import field_index
-from .prepare_aggregation import PAIR_FIELDS, PIECE_FIELDS
+from .prepare_aggregation import PAIR_FIELDS, PIECE_FIELDS, PrepareAggregationAlgorithm
 
 
-def prepare_aggregation(tool, parameters, context, feedback):
+def prepare_aggregation(
+    tool: PrepareAggregationAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:prepareaggregation`; return its results."""
     source = tool.source(parameters, context)
     with Sinks(tool, parameters, context, feedback) as sinks:

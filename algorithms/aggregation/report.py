@@ -1,10 +1,17 @@
 """The HTML report of an aggregation: plain tables with bars, readable without a network."""
 
+from __future__ import annotations
+
 import html
+from typing import TYPE_CHECKING
 
 from ..base import amount, grouped
 from ..partition.report import STYLE
 from ..words import spoken, tr
+
+if TYPE_CHECKING:
+    from ...core.aggregation.outcome import Balance
+
 
 BAR = """
 .bar { display: inline-block; height: .8em; background: #2b6ca3 }
@@ -13,7 +20,7 @@ h2 + p { color: #555; margin: 0 }
 """
 
 
-def page(title, intro, balance):
+def page(title: str, intro: list[str], balance: Balance) -> str:
     """Return the report.
 
     Parameters

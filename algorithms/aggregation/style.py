@@ -1,6 +1,16 @@
 """The regions of a map drawn by their class, with a legend."""
 
-from qgis.core import QgsCategorizedSymbolRenderer, QgsProperty, QgsRendererCategory, QgsSymbolLayer
+from __future__ import annotations
+
+from typing import Any, Iterable
+
+from qgis.core import (
+    QgsCategorizedSymbolRenderer,
+    QgsProperty,
+    QgsRendererCategory,
+    QgsSymbolLayer,
+    QgsVectorLayer,
+)
 from qgis.PyQt.QtGui import QColor
 
 from ..words import tr
@@ -11,7 +21,7 @@ TURN = 137.508  # degrees: neighbours in the order of classes, and those after, 
 TONES = ((0.55, 0.72), (0.45, 0.60), (0.70, 0.84))  # saturation and lightness
 
 
-def by_class(layer, name, values):
+def by_class(layer: QgsVectorLayer, name: str, values: Iterable[Any]) -> None:
     """Give a layer that has a single symbol a legend with a colour for each class.
 
     With more classes than a legend shows nothing is changed.

@@ -1,8 +1,14 @@
 """The tool ``isthmus:focusmap``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingOutputMultipleLayers,
     QgsProcessingOutputString,
     QgsProcessingParameterBoolean,
@@ -94,32 +100,32 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
     SECONDS = "SECONDS"
     PROBLEM = "PROBLEM"
 
-    def name(self):
+    def name(self) -> str:
         return "focusmap"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Enlarge a region in context"
 
-    def group(self):
+    def group(self) -> str:
         return "Deformation"
 
-    def groupId(self):
+    def groupId(self) -> str:
         return "deformation"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "focus,enlarge,magnify,zoom,inset,variable scale,fisheye,lens,cartogram,distort,"
             "deform,context,map,generalize"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Enlarges a region of a map and keeps the shape of the rest."
 
-    def canExecute(self):
+    def canExecute(self) -> tuple[bool, str]:
         problem = dependency_problem() or scipy_problem()
         return not problem, problem
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         add = self.add
         add(
             QgsProcessingParameterFeatureSource(
@@ -279,7 +285,7 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
         )
         self.addOutput(QgsProcessingOutputString(self.PROBLEM, "What is wrong (empty if nothing is)"))
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         problem = scipy_problem()
         return (
             problem
@@ -290,13 +296,15 @@ class FocusMapAlgorithm(IsthmusAlgorithm):
             or self.number_problem(parameters, context, self.GROWTH, 0.0)
         )
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .focus_map_run import run  # what runs needs shapely, what declares must not
 
         return run(self, parameters, context, feedback)
 
 
-def scipy_problem():
+def scipy_problem() -> str:
     """Return what to do if scipy is missing, or ''."""
     try:
         import scipy.sparse.linalg  # noqa: F401

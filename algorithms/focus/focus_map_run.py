@@ -1,10 +1,12 @@
 """What ``isthmus:focusmap`` runs."""
 
+from __future__ import annotations
+
 import contextlib
 import math
 import time
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -17,6 +19,7 @@ from qgis.core import (
     QgsGeometry,
     QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsVectorFileWriter,
     QgsVectorLayer,
@@ -40,7 +43,7 @@ from ..layers.styles import style_on_load
 from ..partition.cutting import NATURAL
 from ..partition.solving import degrees_of
 from ..words import as_sentence, spoken, tr
-from .focus_map import EDGE_FIELDS
+from .focus_map import EDGE_FIELDS, FocusMapAlgorithm
 
 AT_ONCE = 200_000  # points of further layers that are carried together
 
@@ -54,13 +57,17 @@ def _rule(tool, parameters, context):
     )
 
 
-def run(tool, parameters, context, feedback):
+def run(
+    tool: FocusMapAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:focusmap`; return its results."""
-    source = tool.parameterAsSource(parameters, tool.INPUT, context)
+    source = tool.source(parameters, context)
     focus_source = tool.parameterAsSource(parameters, tool.FOCUS, context)
-    for name, value in ((tool.INPUT, source), (tool.FOCUS, focus_source)):
-        if value is None:
-            raise QgsProcessingException(tool.invalidSourceError(parameters, name))
+    if focus_source is None:
+        raise QgsProcessingException(tool.invalidSourceError(parameters, tool.FOCUS))
     begun = time.monotonic()
     given = _read(source, feedback)
     result = given and _solve(tool, parameters, context, feedback, given, focus_source, source.sourceCrs())

@@ -1,17 +1,26 @@
 """Where the tools write: fields, sinks, and results that are on disk as a whole or not at all."""
 
+from __future__ import annotations
+
 import contextlib
 import os
 import struct
 import traceback
 from pathlib import Path
+from typing import Any, Iterable
 
 from qgis.core import (
+    QgsCoordinateReferenceSystem,
     QgsDataSourceUri,
     QgsFeature,
     QgsFeatureSink,
+    QgsFields,
+    QgsGeometry,
     QgsProcessing,
+    QgsProcessingAlgorithm,
+    QgsProcessingContext,
     QgsProcessingException,
+    QgsProcessingFeedback,
     QgsProcessingOutputLayerDefinition,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFeatureSource,
@@ -39,7 +48,9 @@ SIDECARS = {
 }
 
 
-def overwriting(tool, parameters, context):
+def overwriting(
+    tool: QgsProcessingAlgorithm, parameters: dict[str, Any], context: QgsProcessingContext
+) -> str:
     """Return a sentence about a result that would overwrite an input or another result, or ''.
 
     QGIS would open it for writing, and an input be gone before it is read.
@@ -64,7 +75,7 @@ def overwriting(tool, parameters, context):
     return ""
 
 
-def unwritable(tool, parameters):
+def unwritable(tool: QgsProcessingAlgorithm, parameters: dict[str, Any]) -> str:
     """Return a sentence about a result that cannot be written where it is wanted, or ''.
 
     Some tools compute for minutes before they write.
@@ -157,7 +168,13 @@ class Sinks:
         What the tool returns for each sink that was wanted and has come to an end.
     """
 
-    def __init__(self, tool, parameters, context, feedback):
+    def __init__(
+        self,
+        tool: QgsProcessingAlgorithm,
+        parameters: dict[str, Any],
+        context: QgsProcessingContext,
+        feedback: QgsProcessingFeedback,
+    ) -> None:
         self.tool, self.parameters = tool, parameters
         self.context, self.feedback = context, feedback
         problem = overwriting(tool, parameters, context) or unwritable(tool, parameters)
@@ -167,7 +184,14 @@ class Sinks:
         self._sinks, self._written, self._texts = {}, {}, []
         self._held = {}  # what is added to layers that were there before, all at once in the end
 
-    def open(self, name, fields, wkb_type, crs, needed=True):
+    def open(
+        self,
+        name: str,
+        fields: QgsFields,
+        wkb_type: QgsWkbTypes.Type,
+        crs: QgsCoordinateReferenceSystem,
+        needed: bool = True,
+    ) -> bool:
         """Open a sink; return whether it is wanted.
 
         Several results may come of one feature, so the primary key is made anew.
@@ -198,11 +222,11 @@ class Sinks:
             raise QgsProcessingException(self.tool.invalidSinkError(self.parameters, name))
         return sink is not None
 
-    def add(self, name, geometry, values, origin=""):
+    def add(self, name: str, geometry: QgsGeometry | None, values: list, origin: str | int = "") -> None:
         """Write a feature; see `add_all`."""
         self.add_all(name, [(geometry, values, origin)])
 
-    def add_all(self, name, rows):
+    def add_all(self, name: str, rows: Iterable[tuple[QgsGeometry | None, list, str | int]]) -> None:
         """Write features; a failure is an error, so that nothing is lost in silence.
 
         Parameters
@@ -212,8 +236,8 @@ class Sinks:
             The geometry and the values of each, and in a few words what it is a result of: a number is the
             id of a feature. No value may be a `Sentence`: Qt takes no subclass of str for a text.
         """
-        held, add, k = self._held.get(name), self._sinks[name].addFeature, 0
-        for k, (geometry, values, origin) in enumerate(rows, 1):
+        held, add, written = self._held.get(name), self._sinks[name].addFeature, 0
+        for geometry, values, origin in rows:
             # only a layer that was there before asks for fields by name. Never one feature again: where all
             # values are the same but for some 1e-12, setAttributes leaves the old ones
             feature = QgsFeature() if held is None else QgsFeature(self.fields[name])
@@ -224,9 +248,10 @@ class Sinks:
                 held.append(feature)
             elif not add(feature, _FAST):
                 raise QgsProcessingException(self._not_written(name, origin, geometry))
-        self._written[name] += k
+            written += 1
+        self._written[name] += written
 
-    def write_text(self, path, text):
+    def write_text(self, path: str, text: str) -> None:
         """Write a report, which is removed with the layers if anything fails."""
         try:
             with open(path, "w", encoding="utf-8") as stream:

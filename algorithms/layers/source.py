@@ -1,6 +1,16 @@
 """Features of a layer, one by one or in chunks, with progress."""
 
-from qgis.core import QgsFeatureRequest, QgsProcessingFeatureSource, QgsWkbTypes
+from __future__ import annotations
+
+from typing import Iterator
+
+from qgis.core import (
+    QgsFeature,
+    QgsFeatureRequest,
+    QgsProcessingFeatureSource,
+    QgsProcessingFeedback,
+    QgsWkbTypes,
+)
 
 from ...core.errors import Sentence
 from ...core.partition.features import CHUNK_FEATURES, CHUNK_VERTICES
@@ -28,7 +38,9 @@ class Reader:
         though the source (GeoJSON, for one) may declare less.
     """
 
-    def __init__(self, source, feedback, keep=False):
+    def __init__(
+        self, source: QgsProcessingFeatureSource, feedback: QgsProcessingFeedback, keep: bool = False
+    ) -> None:
         self.source, self.feedback, self.kept = source, feedback, [] if keep else None
         self.sizes, types = [], {source.wkbType()}
         request = QgsFeatureRequest()
@@ -41,7 +53,7 @@ class Reader:
                 types.add(geometry.wkbType())
                 size += geometry.nCoordinates()
             self.sizes.append(size)
-            if keep:
+            if self.kept is not None:
                 self.kept.append(feature)
         self.wkb_type, self.patched = common_type(types), any(map(is_patched, types))
         self.total = sum(self.sizes) or 1
@@ -62,7 +74,7 @@ class Reader:
             self.done += self.size
             self.feedback.setProgress(100.0 * self.done / self.total)
 
-    def chunks(self):
+    def chunks(self) -> Iterator[list[QgsFeature]]:
         """Yield lists of features, few or small enough to be worked on at once.
 
         What is yielded counts as done when the next is asked for.
@@ -82,12 +94,12 @@ class Reader:
         self.done += self.size
         self.feedback.setProgress(100.0 * self.done / self.total)
 
-    def progress(self, share):
+    def progress(self, share: float) -> None:
         """Report the share done of the current feature or chunk."""
         self.feedback.setProgress(100.0 * (self.done + share * self.size) / self.total)
 
 
-def shapeless(feature):
+def shapeless(feature: QgsFeature) -> Sentence:
     """Return why a feature has no polygon."""
     if not feature.hasGeometry():
         return Sentence("it has no geometry")

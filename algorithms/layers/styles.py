@@ -1,11 +1,15 @@
 """How results look, and lie one above the other, where they are loaded into a project."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Callable
 
 from qgis.core import (
     QgsProcessingContext,
     QgsProcessingLayerPostProcessorInterface,
     QgsProcessingUtils,
+    QgsVectorLayer,
 )
 from qgis.PyQt import sip
 
@@ -55,7 +59,14 @@ def _arrange(context):
 _stylers = []  # those that wait for their layer: Python must not delete them
 
 
-def style_on_load(context: QgsProcessingContext, destination, style, rank=1, dress=None):
+def style_on_load(
+    context: QgsProcessingContext,
+    destination: str | None,
+    style: str | None,
+    rank: int = 1,
+    *,
+    dress: Callable[[QgsVectorLayer], None] | None = None,
+) -> None:
     """Give a result its style, if any, and its place if Processing loads it into a project.
 
     Results of a lower rank lie above those of a higher one. ``dress`` is called with the layer that has got

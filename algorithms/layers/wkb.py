@@ -3,8 +3,11 @@
 Through WKB: coordinates, Z and M included, come and go bit for bit.
 """
 
+from __future__ import annotations
+
 import struct
 from functools import lru_cache
+from typing import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 from qgis.core import QgsGeometry, QgsWkbTypes
@@ -13,7 +16,7 @@ from ...core import wkb
 from ...core.rings import Rings, offsets_of, take
 
 
-def read_polygons(geometries):
+def read_polygons(geometries: Iterable[QgsGeometry]) -> tuple[Rings, np.ndarray, list[int]]:
     """Return the polygons of geometries as arrays.
 
     Parameters
@@ -126,12 +129,12 @@ def _facts(wkb_type):
     )
 
 
-def dimensions(wkb_type):
+def dimensions(wkb_type: QgsWkbTypes.Type) -> int:
     """Return what ISO WKB adds to a type number for Z and M: 0, 1000, 2000 or 3000."""
     return 1000 * QgsWkbTypes.hasZ(wkb_type) + 2000 * QgsWkbTypes.hasM(wkb_type)
 
 
-def common_type(wkb_types):
+def common_type(wkb_types: Collection[QgsWkbTypes.Type]) -> QgsWkbTypes.Type:
     """Return the linear polygon type that geometries of several types fit in."""
     kind = QgsWkbTypes.Type.Polygon
     if any(QgsWkbTypes.isMultiType(one) or _flat(one) in _SURFACES for one in wkb_types):
@@ -141,12 +144,12 @@ def common_type(wkb_types):
     return QgsWkbTypes.addM(kind) if any(map(QgsWkbTypes.hasM, wkb_types)) else kind
 
 
-def is_patched(wkb_type):
+def is_patched(wkb_type: QgsWkbTypes.Type) -> bool:
     """Whether a geometry is a triangle, a polyhedral surface or a TIN: polygons by another name."""
     return _flat(wkb_type) in (_TRIANGLE, *_SURFACES)
 
 
-def patches(geometry):
+def patches(geometry: QgsGeometry) -> QgsGeometry:
     """Return a geometry that `is_patched` as a polygon or a multipolygon: the same but for its name."""
     kind = geometry.wkbType()
     data = bytearray(geometry.constGet().asWkb())
@@ -170,7 +173,7 @@ def _flat(wkb_type):
     return int(QgsWkbTypes.flatType(wkb_type))
 
 
-def line_type(wkb_type):
+def line_type(wkb_type: QgsWkbTypes.Type) -> QgsWkbTypes.Type:
     """Return the type of the lines between vertices of a layer: with its Z and M."""
     kind = QgsWkbTypes.Type.LineString
     if QgsWkbTypes.hasZ(wkb_type):
@@ -178,7 +181,14 @@ def line_type(wkb_type):
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
 
 
-def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
+def polygon_geometries(
+    coords: np.ndarray,
+    rows: np.ndarray,
+    offsets: np.ndarray,
+    ring_offsets: np.ndarray,
+    extra: Sequence[int],
+    multi: bool,
+) -> Iterator[QgsGeometry]:
     """Return an iterator of polygons of rings of rows.
 
     Parameters
@@ -196,7 +206,9 @@ def polygon_geometries(coords, rows, offsets, ring_offsets, extra, multi):
     return map(_geometry, wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi))
 
 
-def line_geometries(coords, rows, extra, offsets=None):
+def line_geometries(
+    coords: np.ndarray, rows: np.ndarray, extra: Sequence[int], offsets: np.ndarray | None = None
+) -> Iterator[QgsGeometry]:
     """Return an iterator of lines along rows; see ``core.wkb.lines``.
 
     Parameters
@@ -220,23 +232,23 @@ class Runs:
         Curves become segments.
     """
 
-    def __init__(self, geometry):
+    def __init__(self, geometry: QgsGeometry) -> None:
         abstract = _straight(geometry)
         data = b"" if abstract is None else bytes(abstract.asWkb())
         self._runs = wkb.Runs(data)
         self.counts, self.polygons = self._runs.counts, self._runs.polygons
 
     @property
-    def xy(self):
+    def xy(self) -> np.ndarray:
         """(k, 2) float: the points of all runs."""
         return self._runs.xy
 
-    def moved(self, xy, splits=()):
+    def moved(self, xy: np.ndarray, splits: Sequence = ()) -> QgsGeometry:
         """The geometry with its points elsewhere, and points put in after some."""
         return _geometry(self._runs.moved(xy, splits))
 
 
-def straight_lines(geometry):
+def straight_lines(geometry: QgsGeometry) -> list[np.ndarray | None]:
     """Return the ends of the lines of a geometry.
 
     Returns

@@ -1,7 +1,16 @@
 """A user's own lines as candidate diagonals."""
 
+from __future__ import annotations
+
 import numpy as np
-from qgis.core import QgsCoordinateTransform, QgsFeatureRequest
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsFeatureRequest,
+    QgsProcessingContext,
+    QgsProcessingFeatureSource,
+    QgsProcessingFeedback,
+)
 
 from ...core.errors import Sentence
 from ...core.partition.features import GivenLines
@@ -23,7 +32,12 @@ class CandidateLines:
     context : QgsProcessingContext
     """
 
-    def __init__(self, source, crs, context):
+    def __init__(
+        self,
+        source: QgsProcessingFeatureSource,
+        crs: QgsCoordinateReferenceSystem,
+        context: QgsProcessingContext,
+    ) -> None:
         self.fields, self.attributes = source.fields(), []
         transform = QgsCoordinateTransform(source.sourceCrs(), crs, context.transformContext())
         self.ids, ends, self.bent = [], [], []
@@ -41,7 +55,7 @@ class CandidateLines:
             ends += straight
         self.given = GivenLines(np.array(ends), self.ids)
 
-    def report(self, feedback):
+    def report(self, feedback: QgsProcessingFeedback) -> None:
         """Tell which lines are no diagonals, and why."""
         problems = [(k, Sentence("it is not one straight line between two points")) for k in self.bent]
         problems += self.given.left_out()

@@ -1,12 +1,19 @@
 """What the tools that cut polygons declare in common; what they run is in `cutting_run` and `solving`."""
 
+from __future__ import annotations
+
 import math
 import sys
+from typing import Any, Callable
 
 from qgis.core import (
     QgsExpression,
+    QgsFeature,
     QgsFeatureRequest,
+    QgsFields,
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeatureSource,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterExpression,
@@ -37,7 +44,7 @@ CUT_FIELDS = (
 DIAGONAL_FIELDS = (("source", LONG), ("length", REAL), ("detour", REAL), ("dilation", REAL), ("role", TEXT))
 
 
-def places_parameter(name, default):
+def places_parameter(name: str, default: str) -> QgsProcessingParameterEnum:
     """Return the parameter that says where a cut may lie."""
     return QgsProcessingParameterEnum(
         name,
@@ -62,7 +69,7 @@ class PartitionTool(IsthmusAlgorithm):
     NEW_VERTICES = "NEW_VERTICES"
     MAX_GAP = "MAX_GAP"
 
-    def add_input(self):
+    def add_input(self) -> None:
         self.add(
             QgsProcessingParameterFeatureSource(
                 self.INPUT, "Polygons", [QgsProcessing.SourceType.TypeVectorPolygon]
@@ -70,7 +77,18 @@ class PartitionTool(IsthmusAlgorithm):
             "The polygons to cut.",
         )
 
-    def add_dynamic(self, name, label, default, least, help_text, most=LARGEST, decimals=2, optional=False):
+    def add_dynamic(
+        self,
+        name: str,
+        label: str,
+        default: float,
+        least: float,
+        help_text: str,
+        *,
+        most: float = LARGEST,
+        decimals: int = 2,
+        optional: bool = False,
+    ) -> None:
         """Add a number that a field or an expression can set for each feature."""
         parameter = QgsProcessingParameterNumber(
             name, label, QgsProcessingParameterNumber.Type.Double, default, optional,
@@ -83,7 +101,7 @@ class PartitionTool(IsthmusAlgorithm):
         parameter.setDynamicLayerParameterName(self.INPUT)
         self.add(parameter, help_text, decimals=decimals)
 
-    def add_objective(self):
+    def add_objective(self) -> None:
         self.add(
             QgsProcessingParameterEnum(
                 self.OBJECTIVE,
@@ -108,7 +126,7 @@ class PartitionTool(IsthmusAlgorithm):
             advanced=True,
         )
 
-    def add_places(self, places=NATURAL, smallest=SMALLEST):
+    def add_places(self, *, places: str = NATURAL, smallest: float = SMALLEST) -> None:
         """Add the parameters that say where a cut may lie."""
         self.add(
             places_parameter(self.PLACES, places),
@@ -152,7 +170,7 @@ class PartitionTool(IsthmusAlgorithm):
             decimals=3,
         )
 
-    def add_candidates(self):
+    def add_candidates(self) -> None:
         self.add_places()
         self.add(
             QgsProcessingParameterFeatureSource(
@@ -172,7 +190,7 @@ class PartitionTool(IsthmusAlgorithm):
             "from."
         )
 
-    def add_new_vertices(self, more):
+    def add_new_vertices(self, more: str) -> None:
         self.add(
             QgsProcessingParameterBoolean(
                 self.NEW_VERTICES, "Cuts may end at new vertices on edges", False, True
@@ -183,7 +201,7 @@ class PartitionTool(IsthmusAlgorithm):
             advanced=True,
         )
 
-    def add_max_gap(self):
+    def add_max_gap(self) -> None:
         self.add(
             QgsProcessingParameterNumber(
                 self.MAX_GAP,
@@ -200,7 +218,7 @@ class PartitionTool(IsthmusAlgorithm):
             decimals=3,
         )
 
-    def objective_problem(self, parameters, context):
+    def objective_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         """Return a sentence about a shared parameter that cannot be used, or ''."""
         for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE, self.MAX_GAP):
             if self.parameterDefinition(name) is None:
@@ -221,12 +239,14 @@ class PartitionTool(IsthmusAlgorithm):
             return expression_problem(self.WEIGHT, text, [source.fields() for source in sources if source])
         return ""
 
-    def property_problem(self, parameters, name, context):
+    def property_problem(self, parameters: dict[str, Any], name: str, context: QgsProcessingContext) -> str:
         """Return a sentence about the field or expression of a data-defined number, or ''."""
         source = self.parameterAsSource(parameters, self.INPUT, context)
         return expression_problem(name, parameters[name].asExpression(), [source.fields()] if source else [])
 
-    def dynamic_problem(self, parameters, name, context, least):
+    def dynamic_problem(
+        self, parameters: dict[str, Any], name: str, context: QgsProcessingContext, least: float
+    ) -> str:
         """Return a sentence about a number that cannot be used, or that no feature can have, or ''."""
         if QgsProcessingParameters.isDynamic(parameters, name):
             return self.property_problem(parameters, name, context)
@@ -234,14 +254,22 @@ class PartitionTool(IsthmusAlgorithm):
             parameters, context, name
         )
 
-    def floors(self, parameters, context, source):
+    def floors(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, source: QgsProcessingFeatureSource
+    ) -> dict[str, Callable[[QgsFeature], float]]:
         """Return the functions that say what is too small to count in a feature, by name."""
         return {
             name: self.dynamic(parameters, name, context, source)
             for name in (self.SMALLEST_PART, self.MIN_LENGTH, self.MIN_HOLE)
         }
 
-    def dynamic(self, parameters, name, context, source):
+    def dynamic(
+        self,
+        parameters: dict[str, Any],
+        name: str,
+        context: QgsProcessingContext,
+        source: QgsProcessingFeatureSource,
+    ) -> Callable[[QgsFeature], float]:
         """Return the function that gives a data-defined number for a feature, NaN where none."""
         if not QgsProcessingParameters.isDynamic(parameters, name):
             value = self.parameterAsDouble(parameters, name, context)
@@ -271,10 +299,10 @@ class CuttingTool(PartitionTool):
     COST = "COST"
     LOWER_BOUND = "LOWER_BOUND"
 
-    extra_fields = ()  # of the parts, behind those of all
+    extra_fields: tuple[tuple[str, str], ...] = ()  # of the parts, behind those of all
     in_place = False  # whether the parts take the place of the features of an editable layer
 
-    def add_outputs(self):
+    def add_outputs(self) -> None:
         more = "".join(f", {name}" for name, _ in self.extra_fields)
         self.add(
             QgsProcessingParameterFeatureSink(
@@ -322,7 +350,7 @@ class CuttingTool(PartitionTool):
         )
 
 
-def expression_problem(name, text, all_fields):
+def expression_problem(name: str, text: str, all_fields: list[QgsFields]) -> str:
     """Return why an expression for the fields of polygons, and of lines, is of no use, or ''."""
     expression = QgsExpression(text)
     if expression.hasParserError():

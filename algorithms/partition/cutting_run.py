@@ -1,15 +1,27 @@
 """What the tools that cut polygons run: from chunks of a layer to parts, cuts and numbers."""
 
+from __future__ import annotations
+
 import math
 from contextlib import suppress
 from itertools import repeat
+from typing import Any, Callable, Collection
 
 import numpy as np
-from qgis.core import NULL, QgsFeatureRequest, QgsProcessingUtils, QgsUnitTypes, QgsWkbTypes
+from qgis.core import (
+    NULL,
+    QgsFeature,
+    QgsFeatureRequest,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
+    QgsProcessingUtils,
+    QgsUnitTypes,
+    QgsWkbTypes,
+)
 
 from ...core.errors import Cancelled
-from ...core.partition.features import costs, cuts, pieces, without_vertex
-from ...core.partition.solve import finish
+from ...core.partition.features import Problem, costs, cuts, pieces, without_vertex
+from ...core.partition.solve import Partition, Prepared, Selection, finish
 from ...core.progress import stretch
 from ..base import counted, grouped
 from ..layers import wkb
@@ -18,11 +30,18 @@ from ..layers.sinks import Sinks
 from ..layers.source import WITHOUT_VALIDITY_CHECK, Reader
 from ..layers.styles import style_on_load
 from ..words import spoken, tr
-from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES
+from .cutting import CUT_FIELDS, DIAGONAL_FIELDS, PART_FIELDS, ROLES, CuttingTool
 from .solving import degrees_of, problems, reasons_of, settings_of
 
 
-def cut(tool, parameters, context, feedback, chooser, extra_values=None):
+def cut(
+    tool: CuttingTool,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+    chooser: Callable[..., Callable[[Problem, Callable], tuple[Selection, np.ndarray]]],
+    extra_values: Callable[[Problem, Partition], list[list]] | None = None,
+) -> dict[str, Any]:
     """Run a tool that cuts polygons; return its results.
 
     Parameters
@@ -78,15 +97,15 @@ class Told:
         Places without a vertex to cut at; features of which something was not cut.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.small, self.holes, self.rules, self.short, self.skipped = 0, 0, [0] * 5, 0, 0
 
-    def count(self, prepared):
+    def count(self, prepared: Prepared) -> None:
         """Count what was set aside in a chunk."""
         self.rules = [a + b for a, b in zip(self.rules, prepared.set_aside.sum(axis=0).tolist())]
         self.holes += int((~prepared.wanted[prepared.component]).sum())
 
-    def reason(self, feature, verdicts, feedback):
+    def reason(self, feature: QgsFeature, verdicts: Collection[str], feedback: QgsProcessingFeedback) -> str:
         """Return why a feature was not cut, or not all of it, and warn of it; '' where it was."""
         reasons = reasons_of(feature, verdicts) if not verdicts or any(verdicts) else ()
         if reasons:
@@ -95,7 +114,7 @@ class Told:
             feedback.pushWarning(tr("Feature {} was not cut: {}.").format(feature.id(), said))
         return "; ".join(reasons)
 
-    def report(self, feedback, more=""):
+    def report(self, feedback: QgsProcessingFeedback, more: str = "") -> None:
         """Say it; ``more`` before what was not cut."""
         feedback.pushInfo(self._set_aside())
         report_short(feedback, self.short)
@@ -263,7 +282,7 @@ class _Writer:
         self.told.report(feedback)
 
 
-def report_short(feedback, short):
+def report_short(feedback: QgsProcessingFeedback, short: int) -> None:
     """Say at how many places a cut is missing for want of a vertex."""
     if short:
         feedback.pushInfo(

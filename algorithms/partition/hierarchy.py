@@ -1,7 +1,13 @@
 """The tool ``isthmus:hierarchy``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterNumber,
     QgsPropertyDefinition,
@@ -68,22 +74,22 @@ class HierarchyAlgorithm(PartitionTool):
     CUT_COUNT = "CUT_COUNT"
     SKIPPED_COUNT = "SKIPPED_COUNT"
 
-    def name(self):
+    def name(self) -> str:
         return "hierarchy"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Hierarchy of natural parts"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "hierarchy,level,nested,multiscale,scale,number,part,natural,partition,split,cut,bottleneck,"
             "neck,bay,peninsula,generalize,tau,persistence"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Cuts polygons into natural parts for every tau and every number of parts at once."
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         self.add_input()
         self.add_dynamic(
             self.TAU,
@@ -142,13 +148,15 @@ class HierarchyAlgorithm(PartitionTool):
             )
         )
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         problem = self.dynamic_problem(parameters, self.TAU, context, 1.0)
         if not problem and parameters.get(self.PARTS) is not None:
             problem = self.dynamic_problem(parameters, self.PARTS, context, 1.0)
         return problem or self.objective_problem(parameters, context)
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .hierarchy_run import run  # what runs needs shapely, what declares must not
 
         return run(self, parameters, context, feedback)

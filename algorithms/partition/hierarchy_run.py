@@ -1,10 +1,13 @@
 """What ``isthmus:hierarchy`` runs."""
 
+from __future__ import annotations
+
 import math
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
-from qgis.core import NULL, QgsProcessingUtils, QgsWkbTypes
+from qgis.core import NULL, QgsProcessingContext, QgsProcessingFeedback, QgsProcessingUtils, QgsWkbTypes
 
 from ...core.errors import Cancelled
 from ...core.partition.features import without_vertex
@@ -18,11 +21,16 @@ from ..layers.source import Reader
 from ..layers.styles import style_on_load
 from ..words import tr
 from .cutting_run import Told
-from .hierarchy import LEVEL_FIELDS, RANKED_FIELDS
+from .hierarchy import LEVEL_FIELDS, RANKED_FIELDS, HierarchyAlgorithm
 from .solving import problems, settings_of
 
 
-def run(tool, parameters, context, feedback):
+def run(
+    tool: HierarchyAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:hierarchy`; return its results."""
     source = tool.source(parameters, context)
     reader = Reader(source, feedback)
@@ -140,10 +148,12 @@ class _Writer:
                 counted(numbers[tool.CUT_COUNT], "cut"),
             )
         )
-        more = self.missed and tr(
-            "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
-            "gives more cuts to choose from."
-        ).format(counted(self.missed, "feature"))
+        more = ""
+        if self.missed:
+            more = tr(
+                "{} cannot have so many or so few parts (PARTS), and got the next best number. A smaller TAU "
+                "gives more cuts to choose from."
+            ).format(counted(self.missed, "feature"))
         self.told.report(feedback, more)
 
 

@@ -1,6 +1,17 @@
 """The tool ``isthmus:partition``."""
 
-from qgis.core import QgsProcessingAlgorithm, QgsVectorLayer, QgsWkbTypes
+from __future__ import annotations
+
+from typing import Any
+
+from qgis.core import (
+    QgsMapLayer,
+    QgsProcessingAlgorithm,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
+    QgsVectorLayer,
+    QgsWkbTypes,
+)
 
 from .cutting import CuttingTool
 
@@ -46,30 +57,30 @@ class PartitionAlgorithm(CuttingTool):
     help_text = HELP
     TAU = "TAU"
 
-    def name(self):
+    def name(self) -> str:
         return "partition"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Partition polygons at bottlenecks"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "partition,split,cut,divide,bottleneck,isthmus,strait,neck,narrow,peninsula,bay,lake,"
             "dilation,detour,natural,part,subregion,generalize,tau"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Cuts polygons at isthmuses, straits and necks into natural parts."
 
-    def flags(self):
+    def flags(self) -> QgsProcessingAlgorithm.Flags:
         return super().flags() | QgsProcessingAlgorithm.Flag.FlagSupportsInPlaceEdits
 
-    def supportInPlaceEdit(self, layer):
+    def supportInPlaceEdit(self, layer: QgsMapLayer | None) -> bool:
         return isinstance(layer, QgsVectorLayer) and (
             layer.geometryType() == QgsWkbTypes.GeometryType.PolygonGeometry
         )
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         self.in_place = bool((configuration or {}).get("IN_PLACE"))
         self.add_input()
         self.add_dynamic(
@@ -86,12 +97,14 @@ class PartitionAlgorithm(CuttingTool):
         self.add_max_gap()
         self.add_outputs()
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         return self.dynamic_problem(parameters, self.TAU, context, 1.0) or self.objective_problem(
             parameters, context
         )
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .partition_run import partition  # what runs needs shapely, what declares must not
 
         return partition(self, parameters, context, feedback)

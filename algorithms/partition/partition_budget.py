@@ -1,7 +1,15 @@
 """The tool ``isthmus:partitionbudget``."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from ..layers.fields import REAL
 from .cutting import CuttingTool
+
+if TYPE_CHECKING:
+    from qgis.core import QgsProcessingContext, QgsProcessingFeedback
+
 
 HELP = """
 <p>Cuts polygons at their bottlenecks as far as a budget allows: at most so many cuts, or so much
@@ -32,22 +40,22 @@ class PartitionBudgetAlgorithm(CuttingTool):
     BUDGET = "BUDGET"
     extra_fields = (("tau", REAL),)
 
-    def name(self):
+    def name(self) -> str:
         return "partitionbudget"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Partition polygons within a budget"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "partition,split,cut,divide,bottleneck,isthmus,strait,neck,budget,number,count,limit,"
             "dual,dilation,detour,natural,part,subregion"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Cuts polygons at bottlenecks with at most so many cuts, or so much length of cuts."
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         self.add_input()
         self.add_dynamic(
             self.BUDGET,
@@ -62,12 +70,14 @@ class PartitionBudgetAlgorithm(CuttingTool):
         self.add_candidates()
         self.add_outputs()
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         return self.dynamic_problem(parameters, self.BUDGET, context, 0.0) or self.objective_problem(
             parameters, context
         )
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .partition_budget_run import partition_budget  # needs shapely, what declares must not
 
         return partition_budget(self, parameters, context, feedback)

@@ -1,13 +1,27 @@
 """What ``isthmus:partitionbudget`` runs."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...core.partition.features import largest_dilations, within_budget
 from ..words import tr
 from .cutting_run import cut
 
+if TYPE_CHECKING:
+    from qgis.core import QgsProcessingContext, QgsProcessingFeedback
 
-def partition_budget(tool, parameters, context, feedback):
+    from .partition_budget import PartitionBudgetAlgorithm
+
+
+def partition_budget(
+    tool: PartitionBudgetAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:partitionbudget`; return its results."""
     return cut(tool, parameters, context, feedback, _chooser, _extra_values)
 

@@ -1,13 +1,27 @@
 """What ``isthmus:partition`` runs."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...core.partition.features import for_tau
 from ..words import tr
 from .cutting_run import cut
 
+if TYPE_CHECKING:
+    from qgis.core import QgsProcessingContext, QgsProcessingFeedback
 
-def partition(tool, parameters, context, feedback):
+    from .partition import PartitionAlgorithm
+
+
+def partition(
+    tool: PartitionAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:partition`; return its results."""
     return cut(tool, parameters, context, feedback, _chooser)
 

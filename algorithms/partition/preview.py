@@ -5,9 +5,12 @@ hierarchy. What `isthmus:partition` does for one tau then takes a hundredth of a
 the very cuts that the tool makes; the levels by number of parts are those of `isthmus:hierarchy`.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import Callable, NamedTuple
 
 import numpy as np
+from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsProcessingFeedback
 
 from ...core.partition.hierarchy import hierarchy
 from ...core.partition.nesting import NO_END, ranked
@@ -49,14 +52,14 @@ class Preview(NamedTuple):
     nested: list
     tau: float
 
-    def largest_tau(self):
+    def largest_tau(self) -> float:
         """Return the tau from which on nothing is cut, but for what connects holes."""
         most = self.tau
         for _, persistence, _, _ in self.nested:
             most = max(most, float(persistence[persistence < NO_END].max(initial=self.tau)))
         return float(np.nextafter(most, np.inf))
 
-    def most_parts(self):
+    def most_parts(self) -> int:
         """Return the number of parts of the feature with the most."""
         most = 1
         for problem, (selected, _, _, place) in zip(self.problems, self.nested):
@@ -66,13 +69,13 @@ class Preview(NamedTuple):
             most = max(most, int(parts.max(initial=1)))
         return most
 
-    def unsolved(self):
+    def unsolved(self) -> list[str]:
         """Return why polygons cannot be cut, each reason once."""
         return list(dict.fromkeys(
             reason for problem in self.problems for reason in problem.verdict.tolist() if reason
         ))  # fmt: skip
 
-    def at_tau(self, tau):
+    def at_tau(self, tau: float) -> Shown:
         """Return the cuts that `isthmus:partition` makes for a tau.
 
         Returns
@@ -85,7 +88,7 @@ class Preview(NamedTuple):
             chosen.append((selection.selected, selection.carved.tree))
         return self._shown(chosen)
 
-    def at_parts(self, count):
+    def at_parts(self, count: int) -> Shown:
         """Return the cuts of the level in which each feature has so many parts, or the next best.
 
         Returns
@@ -125,7 +128,16 @@ class Preview(NamedTuple):
         return Shown(b"\x01" + head + lines.tobytes(), cuts, parts)
 
 
-def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=ignore, feedback=None):
+def preview(
+    features: list[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    *,
+    tau: float = 1.5,
+    places: str = NATURAL,
+    smallest_part: float = 1.0,
+    check: Callable = ignore,
+    feedback: QgsProcessingFeedback | None = None,
+) -> Preview:
     """Do what takes long.
 
     Parameters
@@ -155,7 +167,7 @@ def preview(features, crs, *, tau=1.5, places=NATURAL, smallest_part=1.0, check=
         lines=None, new_vertices=False, weigh=None, all_dilations=False,
     )  # fmt: skip
     problems, nested = [], []
-    for chunk in read(features, settings, feedback):
+    for chunk in read(features, settings, feedback or QgsProcessingFeedback(False)):
         problem = prepare(chunk, settings, stretch(check, 0.0, 0.5))
         prepared = problem.prepared
         selection = select(prepared, tau, check=stretch(check, 0.5, 0.6), with_dilation=False)

@@ -1,7 +1,10 @@
 """The HTML report of the trade-off tool: plain SVG, readable without a network."""
 
+from __future__ import annotations
+
 import html
 import math
+from typing import Any
 
 from ..words import tr
 
@@ -17,7 +20,7 @@ svg { max-width: 100%; height: auto } svg text { font: 12px sans-serif; fill: #4
 """
 
 
-def page(title, intro, curves):
+def page(title: str, intro: list[str], curves: list[dict[str, Any]]) -> str:
     """Return the report.
 
     Parameters

@@ -1,17 +1,23 @@
 """From the geometries of features to solved polygons: what all partition tools share."""
 
+from __future__ import annotations
+
 import math
 import re
-from typing import Callable, NamedTuple
+from typing import Any, Callable, Collection, Iterator, NamedTuple
 
 import numpy as np
 from qgis.core import (
     NULL,
+    QgsCoordinateReferenceSystem,
     QgsEllipsoidUtils,
     QgsExpression,
     QgsExpressionContext,
     QgsExpressionContextScope,
     QgsFeature,
+    QgsProcessingContext,
+    QgsProcessingFeatureSource,
+    QgsProcessingFeedback,
     QgsProcessingUtils,
     QgsUnitTypes,
 )
@@ -19,15 +25,15 @@ from qgis.core import (
 from ...core import metric
 from ...core.errors import Sentence
 from ...core.partition.engines import engine_name, only_engine
-from ...core.partition.features import Chunk, beyond_the_poles, weigh_by_length
+from ...core.partition.features import Chunk, Problem, beyond_the_poles, weigh_by_length
 from ...core.partition.features import prepare as prepare_polygons
 from ...core.progress import checker, ignore, stretch
 from ..dependencies import engines_with_wheels
 from ..layers import wkb
-from ..layers.source import shapeless
+from ..layers.source import Reader, shapeless
 from ..words import tr
 from .candidate_lines import CandidateLines
-from .cutting import BY_LENGTH, BY_WEIGHT, NATURAL
+from .cutting import BY_LENGTH, BY_WEIGHT, NATURAL, PartitionTool
 
 
 class Settings(NamedTuple):
@@ -50,16 +56,23 @@ class Settings(NamedTuple):
     all_dilations : bool
     """
 
-    measure: object
+    measure: metric.Metric
     natural: bool
-    floors: dict
-    lines: object
+    floors: dict[str, Callable[[QgsFeature], float]]
+    lines: CandidateLines | None
     new_vertices: bool
-    weigh: Callable
+    weigh: Callable | None
     all_dilations: bool
 
 
-def settings_of(tool, parameters, context, source, feedback, all_dilations=False):
+def settings_of(
+    tool: PartitionTool,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    source: QgsProcessingFeatureSource,
+    feedback: QgsProcessingFeedback,
+    all_dilations: bool = False,
+) -> Settings:
     """Return how a tool solves, by its parameters.
 
     Returns
@@ -91,7 +104,7 @@ def settings_of(tool, parameters, context, source, feedback, all_dilations=False
     )
 
 
-def slow_engine_note():
+def slow_engine_note() -> str:
     """Return what makes the tools faster where only shapely triangulates, or ''."""
     if engine_name() != "shapely" or only_engine():
         return ""
@@ -103,7 +116,7 @@ def slow_engine_note():
     return note
 
 
-def measure_of(crs):
+def measure_of(crs: QgsCoordinateReferenceSystem) -> metric.Metric:
     """Return the metric of a layer: its own plane, or its ellipsoid where it is in degrees."""
     degrees = degrees_of(crs)
     if not degrees:
@@ -114,7 +127,7 @@ def measure_of(crs):
     return metric.ellipsoidal(a=ellipsoid.semiMajor, b=ellipsoid.semiMinor, degrees=degrees)
 
 
-def degrees_of(crs):
+def degrees_of(crs: QgsCoordinateReferenceSystem) -> float:
     """Return the degrees in one unit of a CRS; 0 where its coordinates are no angles.
 
     QGIS 3.22 calls no CRS geographic that is not in its database, such as one of Mars, and the unit of one
@@ -126,7 +139,7 @@ def degrees_of(crs):
     return round(math.degrees(float(found[1])), 9) if found else float(crs.isGeographic())  # of grads 0.9
 
 
-def read(features, settings, feedback):
+def read(features: list[QgsFeature], settings: Settings, feedback: QgsProcessingFeedback) -> Iterator[Chunk]:
     """Yield the chunks of some features: one, unless some of them are not what the CRS promises.
 
     Parameters
@@ -158,7 +171,7 @@ def read(features, settings, feedback):
         yield Chunk(own, rings, owner, extra, measure)
 
 
-def prepare(chunk, settings, check=ignore):
+def prepare(chunk: Chunk, settings: Settings, check: Callable = ignore) -> Problem:
     """Prepare the polygons of a chunk; may raise `Cancelled`.
 
     Returns
@@ -172,7 +185,7 @@ def prepare(chunk, settings, check=ignore):
     return prepare_polygons(
         chunk,
         natural=settings.natural,
-        lines=settings.lines and settings.lines.given,
+        lines=settings.lines.given if settings.lines else None,
         new_vertices=settings.new_vertices,
         weigh=settings.weigh,
         check=check,
@@ -180,7 +193,9 @@ def prepare(chunk, settings, check=ignore):
     )
 
 
-def problems(reader, settings, feedback, share):
+def problems(
+    reader: Reader, settings: Settings, feedback: QgsProcessingFeedback, share: float
+) -> Iterator[tuple[Problem, Callable]]:
     """Yield the chunks of a layer, prepared, each with the check of what is left to do for it.
 
     Parameters
@@ -201,14 +216,16 @@ def problems(reader, settings, feedback, share):
             yield prepare(chunk, settings, stretch(check, 0.0, share)), stretch(check, share, 1.0)
 
 
-def reasons_of(feature, verdicts):
+def reasons_of(feature: QgsFeature, verdicts: Collection[str]) -> list[str]:
     """Return why polygons of a feature were not solved, each reason once, by the verdicts of all of them."""
     if not len(verdicts):
         return [shapeless(feature)]
     return list(dict.fromkeys(verdict for verdict in verdicts if verdict))
 
 
-def weigh_by_expression(text, source, lines, context):
+def weigh_by_expression(
+    text: str, source: QgsProcessingFeatureSource, lines: CandidateLines | None, context: QgsExpressionContext
+) -> Callable[..., tuple[np.ndarray, dict]]:
     """Return the function that weighs candidates by an expression, for MinWeight.
 
     Parameters

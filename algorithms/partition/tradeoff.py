@@ -1,7 +1,13 @@
 """The tool ``isthmus:tradeoff``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsProcessingOutputNumber,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
@@ -53,21 +59,21 @@ class TradeoffAlgorithm(PartitionTool):
     STEP_COUNT = "STEP_COUNT"
     SKIPPED_COUNT = "SKIPPED_COUNT"
 
-    def name(self):
+    def name(self) -> str:
         return "tradeoff"
 
-    def displayName(self):
+    def displayName(self) -> str:
         return "Detour trade-off curve"
 
-    def tags(self):
+    def tags(self) -> list[str]:
         return (
             "tau,choose,guide,trade-off,curve,pareto,step,plot,report,cost,dilation,detour,partition"
         ).split(",")
 
-    def shortDescription(self):
+    def shortDescription(self) -> str:
         return "Shows what each value of tau costs, and marks the values that pay off."
 
-    def initAlgorithm(self, configuration=None):
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:
         number = QgsProcessingParameterNumber
         self.add_input()
         self.add_objective()
@@ -103,7 +109,7 @@ class TradeoffAlgorithm(PartitionTool):
         self.addOutput(QgsProcessingOutputNumber(self.STEP_COUNT, "Number of steps"))
         self.addOutput(QgsProcessingOutputNumber(self.SKIPPED_COUNT, "Number of features not solved"))
 
-    def parameter_problem(self, parameters, context):
+    def parameter_problem(self, parameters: dict[str, Any], context: QgsProcessingContext) -> str:
         low = self.parameterAsDouble(parameters, self.TAU_MIN, context)
         high = self.parameterAsDouble(parameters, self.TAU_MAX, context)
         problem = self.number_problem(parameters, context, self.TAU_MIN, 1.0)
@@ -113,7 +119,9 @@ class TradeoffAlgorithm(PartitionTool):
             return tr("TAU_MAX must be 0 or at least TAU_MIN ({:g}), and is {:g}.").format(low, high)
         return self.objective_problem(parameters, context)
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def processAlgorithm(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
         from .tradeoff_run import run  # what runs needs shapely, what declares must not
 
         return run(self, parameters, context, feedback)

@@ -1,7 +1,10 @@
 """What ``isthmus:tradeoff`` runs."""
 
+from __future__ import annotations
+
 import math
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from qgis.core import (
@@ -9,6 +12,8 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsExpression,
     QgsExpressionContext,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
     QgsWkbTypes,
 )
 
@@ -25,7 +30,7 @@ from . import report
 from .cutting import BY_SIZE
 from .cutting_run import report_short
 from .solving import problems, settings_of
-from .tradeoff import FIELDS
+from .tradeoff import FIELDS, TradeoffAlgorithm
 
 UNITS = {
     "MinSize": Sentence("number of cuts"),
@@ -34,7 +39,12 @@ UNITS = {
 }
 
 
-def run(tool, parameters, context, feedback):
+def run(
+    tool: TradeoffAlgorithm,
+    parameters: dict[str, Any],
+    context: QgsProcessingContext,
+    feedback: QgsProcessingFeedback,
+) -> dict[str, Any]:
     """Run `isthmus:tradeoff`; return its results."""
     source = tool.source(parameters, context)
     low = tool.parameterAsDouble(parameters, tool.TAU_MIN, context)

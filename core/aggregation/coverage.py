@@ -150,7 +150,7 @@ def cover(
     points, point = np.unique(flat, return_inverse=True)
     point = point.ravel()
     points = np.column_stack((points.real, points.imag))
-    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    ring = groups(offsets)
     following = next_in_ring(offsets)
     first = np.append(True, ring_polygon[1:] != ring_polygon[:-1])
     backwards = (signed_areas(xy, offsets) > 0) != first
@@ -432,7 +432,7 @@ def centroids(coverage: Coverage, plane: np.ndarray, count: int) -> tuple[np.nda
     if len(offsets) < 2:
         return np.zeros(count), np.zeros((count, 2))
     origin = plane[offsets[:-1]]
-    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    ring = groups(offsets)
     x, y = (plane - origin[ring]).T
     following = next_in_ring(offsets)
     cross = x * y[following] - x[following] * y

@@ -25,6 +25,7 @@ from typing import Iterable, NamedTuple
 import numpy as np
 
 from ..errors import Sentence
+from ..rings import groups
 
 __all__ = [
     "Costs",
@@ -92,7 +93,7 @@ class Instance(NamedTuple):
     @property
     def owner(self) -> np.ndarray:
         """(h,) int: the area whose neighbour each entry of ``neighbour`` is."""
-        return np.repeat(np.arange(len(self.size)), np.diff(self.start))
+        return groups(self.start)
 
 
 class Solution(NamedTuple):

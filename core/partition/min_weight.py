@@ -491,7 +491,7 @@ class _Pass:
         ptr = offsets_of(np.bincount(seg, minlength=2 * len(left)))
         if self.lower:  # never traced
             return pareto.Front(ptr, weight, value)
-        return pareto.Front(ptr, weight, value, i.astype(np.int32), j.astype(np.int32))
+        return pareto.Front(ptr, weight, value, left=i.astype(np.int32), right=j.astype(np.int32))
 
     def _caps(self, node, d, least, last):
         """Largest value and first useless weight per kind (offer, demand) and item."""

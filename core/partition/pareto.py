@@ -16,7 +16,7 @@ what becomes of a front is the same, to the last bit, whatever stands beside it.
 
 from __future__ import annotations
 
-from typing import Callable, Iterator
+from typing import Any, Callable, Iterator
 
 import numpy as np
 
@@ -52,10 +52,26 @@ class Front:
         "ptr", "weight", "value", "left", "right", "cut", "rest", "floor", "_key", "_least"
     )  # fmt: skip
 
-    def __init__(self, ptr, weight, value, left=None, right=None, cut=None):
-        self.ptr, self.weight, self.value = ptr, weight, value
-        self.left, self.right, self.cut = left, right, cut
-        self.rest = self.floor = self._key = self._least = None
+    def __init__(
+        self,
+        ptr: np.ndarray,
+        weight: np.ndarray | None,
+        value: np.ndarray,
+        *,
+        left: np.ndarray | None = None,
+        right: np.ndarray | None = None,
+        cut: np.ndarray | None = None,
+    ) -> None:
+        self.ptr, self.value = ptr, value
+        # None where a front has none: then nobody asks for it
+        self.weight: Any = weight
+        self.left: Any = left
+        self.right: Any = right
+        self.cut: Any = cut
+        self.rest: Any = None
+        self.floor: Any = None
+        self._key: Any = None
+        self._least: Any = None
 
     def segments(self) -> np.ndarray:
         """Segment of every point."""
@@ -64,8 +80,8 @@ class Front:
     def take(self, points: np.ndarray, segments: np.ndarray) -> Front:
         """Sub-front of some points (ascending) that lie in the given segments."""
         ptr = offsets_of(np.bincount(segments, minlength=len(self.ptr) - 1))
-        pick = [None if x is None else x[points] for x in (self.left, self.right, self.cut)]
-        return Front(ptr, self.weight[points], self.value[points], *pick)
+        left, right, cut = (None if x is None else x[points] for x in (self.left, self.right, self.cut))
+        return Front(ptr, self.weight[points], self.value[points], left=left, right=right, cut=cut)
 
     def of_edges(self, edges: np.ndarray) -> Front:
         """The values and rests of some edges (ascending) only."""
@@ -128,7 +144,7 @@ class Join:
 
     __slots__ = ("front", "left", "right", "base")
 
-    def __init__(self, front, left, right, base):
+    def __init__(self, front: Front, left: np.ndarray, right: np.ndarray, base: np.ndarray) -> None:
         self.front, self.left, self.right, self.base = front, left, right, base
 
 
@@ -469,7 +485,7 @@ def assemble(
             cut[at] = kind == 0
     if whole.left is None:
         return Front(ptr, weights, values)
-    return Front(ptr, weights, values, whole.left[source], whole.right[source], cut)
+    return Front(ptr, weights, values, left=whole.left[source], right=whole.right[source], cut=cut)
 
 
 def point_groups(
@@ -536,7 +552,7 @@ class Table:
     [100.0, 50.0, 60.0, 10.0]
     """
 
-    def __init__(self, rest: Callable, segment: int, front: Front, x: slice, y: slice, base: float):
+    def __init__(self, rest: Callable, segment: int, front: Front, x: slice, y: slice, base: float) -> None:
         # values descend
         self.low = front.value[x.stop - 1] + base + front.value[y.stop - 1]
         width = front.value[x.start] + base + front.value[y.start] - self.low

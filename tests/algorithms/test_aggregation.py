@@ -526,6 +526,17 @@ def test_distances_from_a_table_and_by_code(qgis_app):
         assert results["CHANGE_COST"] == pytest.approx(10.0 if "DISTANCES" in options else 100 / 3)
 
 
+def test_distances_that_are_not_used_are_told(qgis_app):
+    """Whatever is in the table: nobody reads it."""
+    plain = aggregate(strip("aab"), THRESHOLD=200)
+    for distance in ("equal", "code"):
+        given = table(["start:string(5)"], [("a",)])
+        results, _, said = aggregate(strip("aab"), THRESHOLD=200, DISTANCE=distance, DISTANCES=given)
+        assert any(f"(DISTANCES) is not used, since DISTANCE is {distance}." in line for line in said)
+        assert results["TOTAL_COST"] == plain[0]["TOTAL_COST"]
+    assert not any("is not used" in line for line in plain[2])
+
+
 def test_what_a_distance_table_lacks_is_said(qgis_app):
     fields = ["from:string(5)", "to:string(5)", "distance:double"]
     _, _, said = aggregate(strip("abc"), DISTANCE="table", DISTANCES=table(fields, [("a", "b", 1)]))

@@ -263,7 +263,7 @@ def test_the_engine_to_install_is_one_that_has_a_wheel(monkeypatch, version, mac
     """The free one first; and the licence is said of the one that is not."""
     from isthmus.algorithms import dependencies
 
-    assert dependencies.engines_with_wheels(version, machine) == wheels
+    assert dependencies.engines_with_wheels(version=version, machine=machine) == wheels
     monkeypatch.setattr(dependencies, "engines_with_wheels", lambda: wheels)
     hint = dependencies.install_hint("1.24.2")
     assert [name for name in ("pythoncdt", "triangle") if f'" {name} "numpy==1.24.2"' in hint] == wheels[:1]
@@ -294,7 +294,7 @@ def test_requirements_ask_for_the_same_wheels():
                 "platform_machine": processor,
                 "implementation_name": "cpython",
             }
-            wheels = dependencies.engines_with_wheels((3, minor), machine)
+            wheels = dependencies.engines_with_wheels(version=(3, minor), machine=machine)
             assert [name for name in ("pythoncdt", "triangle") if wanted[name].evaluate(place)] == wheels
 
 

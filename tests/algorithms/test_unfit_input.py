@@ -145,6 +145,11 @@ def test_a_layer_that_qgis_cannot_read(run, layer, monkeypatch, tool):
     ("partition", "TAU", "1e400", "TAU must be at most 1e\\+18, and is inf"),
     ("partition", "TAU", "", "TAU must be a number, and is ''"),
     ("tradeoff", "STEPS", -1, "STEPS must be a number of at least 1, and is -1"),
+    ("tradeoff", "STEPS", 2.5, "STEPS must be a whole number, and is 2.5"),
+    ("hierarchy", "PARTS", 2.5, "PARTS must be a whole number, and is 2.5"),
+    ("aggregate", "REGIONS", 1.5, "REGIONS must be a whole number, and is 1.5"),
+    ("aggregate", "REGIONS", "0.5", "REGIONS must be a whole number, and is 0.5"),
+    ("aggregate", "ITERATIONS", 2.0000001, "ITERATIONS must be a whole number, and is 2.0000001"),
 ])  # fmt: skip
 def test_a_number_out_of_its_range_is_told_with_the_range(run, layer, tool, name, value, said):
     source = layer("Polygon?crs=EPSG:3857&field=name:string", [(DUMBBELL, ["x"])])

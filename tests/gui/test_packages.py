@@ -35,7 +35,7 @@ ROOMS = "POLYGON((0 0,10 0,10 4.5,12 4.5,12 0,22 0,22 10,12 10,12 5.5,10 5.5,10 
     ("any", "win32", "ARM64", None, True),
 ])  # fmt: skip
 def test_platforms(tag, system, machine, release, fits):
-    assert packages.fits_platform(tag, system, machine, release) is fits
+    assert packages.fits_platform(tag, system=system, machine=machine, release=release) is fits
 
 
 def test_python_tags():
@@ -115,6 +115,7 @@ def test_the_newest_that_goes_with_this_numpy(place):
             "1.10": "numpy<2",
             "2.0": "numpy>=1.26",
             "2.1rc1": "numpy",
+            "2.2": "numpy===odd",  # of a form that is not understood: as if it did not fit
         }
     )
     assert packages.find("made", "1.24.2", registry.get).version == "1.10"
@@ -163,11 +164,13 @@ def test_hint_names_the_running_python(monkeypatch, tmp_path):
     (tmp_path / "MacOS" / "bin").mkdir(parents=True)
     (tmp_path / "MacOS" / "bin" / "python3").touch()
     qgis = tmp_path / "MacOS" / "QGIS"
-    assert dependencies.python_program(str(qgis), "/nowhere", "darwin") == str(tmp_path / "MacOS/bin/python3")
+    assert dependencies.python_program(executable=str(qgis), prefix="/nowhere", system="darwin") == str(
+        tmp_path / "MacOS/bin/python3"
+    )
     (tmp_path / "apps").mkdir()
     (tmp_path / "apps" / "python3.exe").touch()
     found = dependencies.python_program(
-        str(tmp_path / "bin" / "qgis-bin.exe"), str(tmp_path / "apps"), "win32"
+        executable=str(tmp_path / "bin" / "qgis-bin.exe"), prefix=str(tmp_path / "apps"), system="win32"
     )
     assert found == str(tmp_path / "apps" / "python3.exe")
 
@@ -298,9 +301,9 @@ def test_the_dialog_installs_and_undoes(iface, wait, place, monkeypatch):
         monkeypatch.setitem(table, "made", "x")
     monkeypatch.setattr(packages, "missing", lambda: [] if packages.installed() else ["made"])
     real = packages.install
-    monkeypatch.setattr(packages, "install", lambda *a: real(*a[:3], None, registry.get))
+    monkeypatch.setattr(packages, "install", lambda *a, **_: real(*a, get=registry.get))
     gone_on = []
-    dialog = PackagesDialog(iface.window, lambda: gone_on.append(True))
+    dialog = PackagesDialog(iface.window, then=lambda: gone_on.append(True))
     dialog.show()
     assert str(place) in dialog.text.text() and not dialog.remove_button.isEnabled()
     dialog.install_button.click()
@@ -318,7 +321,7 @@ def test_the_dialog_says_what_went_wrong(iface, wait, place, monkeypatch):
 
     monkeypatch.setattr(packages, "missing", lambda: ["shapely"])
 
-    def fail(*_):
+    def fail(*_, **__):
         raise packages.PackageError("pypi.org cannot be reached. Nothing was changed.")
 
     monkeypatch.setattr(packages, "install", fail)

@@ -171,10 +171,20 @@ def test_what_cannot_be_used_is_said(package, options, error, message):
     ({"seed": "x"}, TypeError, "seed must be a number"),
     ({"weights": "light"}, ValueError, "weights must be keep classes, balanced or compact"),
     ({"distance": "table"}, ValueError, "A table of class distances"),
+    ({"regions": 1.5}, ValueError, "regions must be a whole number, and is 1.5"),
+    ({"seed": 0.5}, ValueError, "seed must be a whole number, and is 0.5"),
+    ({"distance": "table", "distances": [[0, 1], [1, 0]]}, TypeError, "distances must be a mapping of pairs"),
+    ({"distance": "table", "distances": {"water": 1.0}}, TypeError, "distances must be a mapping of pairs"),
 ])  # fmt: skip
 def test_what_an_aggregation_cannot_use_is_said(package, options, error, message):
     with pytest.raises(error, match=message):
         package.aggregate([ROOMS], class_=["a"], **options)
+
+
+@pytest.mark.parametrize("distances", [{("a", "b"): 0.5}, {"a": 0.5}, []])
+def test_distances_that_are_not_used_are_told(package, distances):
+    with pytest.warns(UserWarning, match="distances are not used, since distance is 'equal'"):
+        package.aggregate([ROOMS], class_=["a"], threshold=1, method="greedy", distances=distances)
 
 
 def test_the_exact_method_says_that_it_does_not_count(package):
