@@ -235,8 +235,8 @@ class Sinks:
         name : str
         rows : iterable of (QgsGeometry or None, list, str or int)
             The geometry and the values of each, and in a few words what it is a result of: a number is the
-            id of a feature. No value may be a `Sentence`, for Qt takes no subclass of str for a text; to ask
-            each took a fiftieth of the time of writing.
+            id of a feature. No value may be a `Sentence`, for Qt takes no subclass of str for a text (`add`
+            looks at each).
         """
         held, add, written = self._held.get(name), self._sinks[name].addFeature, 0
         for geometry, values, origin in rows:
