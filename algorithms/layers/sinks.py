@@ -227,22 +227,26 @@ class Sinks:
         values = [str(value) if isinstance(value, Sentence) else value for value in values]
         self.add_all(name, [(geometry, values, origin)])
 
-    def add_all(self, name: str, rows: Iterable[tuple[QgsGeometry | None, list, str | int]]) -> None:
+    def add_all(self, name: str, rows: Iterable[tuple[QgsGeometry | bytes | None, list, str | int]]) -> None:
         """Write features; a failure is an error, so that nothing is lost in silence.
 
         Parameters
         ----------
         name : str
-        rows : iterable of (QgsGeometry or None, list, str or int)
-            The geometry and the values of each, and in a few words what it is a result of: a number is the
-            id of a feature. No value may be a `Sentence`, for Qt takes no subclass of str for a text (`add`
-            looks at each).
+        rows : iterable of (QgsGeometry, bytes or None; list; str or int)
+            The geometry (bytes are WKB) and the values of each, and in a few words what it is a result of: a
+            number is the id of a feature. No value may be a `Sentence`, for Qt takes no subclass of str for a
+            text (`add` looks at each).
         """
         held, add, written = self._held.get(name), self._sinks[name].addFeature, 0
+        read = QgsGeometry()  # one for all, for QGIS copies what a feature has before it changes
         for geometry, values, origin in rows:
             # only a layer that was there before asks for fields by name. Never one feature again: where all
             # values are the same but for some 1e-12, setAttributes leaves the old ones
             feature = QgsFeature() if held is None else QgsFeature(self.fields[name])
+            if isinstance(geometry, bytes):
+                read.fromWkb(geometry)
+                geometry = read
             if geometry is not None:
                 feature.setGeometry(geometry)
             feature.setAttributes(values)

@@ -47,12 +47,10 @@ class Reader:
         if not keep:
             request.setSubsetOfAttributes([])
         for feature in source.getFeatures(request, WITHOUT_VALIDITY_CHECK):
-            size = 1
-            if feature.hasGeometry():
-                geometry = feature.geometry().constGet()
-                types.add(geometry.wkbType())
-                size += geometry.nCoordinates()
-            self.sizes.append(size)
+            # about its vertices; each question to QGIS takes a tenth of what reading the feature takes
+            geometry = feature.geometry()
+            types.add(geometry.wkbType())
+            self.sizes.append(1 + geometry.wkbSize() // 16)
             if self.kept is not None:
                 self.kept.append(feature)
         self.wkb_type, self.patched = common_type(types), any(map(is_patched, types))
@@ -82,13 +80,15 @@ class Reader:
         chunk, self.size = [], 0
         for feature, size in zip(self._features(), self.sizes):
             if chunk and (len(chunk) >= CHUNK_FEATURES or self.size + size > CHUNK_VERTICES):
+                if self.feedback.isCanceled():
+                    return
                 yield chunk
                 self.done += self.size
                 chunk, self.size = [], 0
-            if self.feedback.isCanceled():
-                return
             chunk.append(feature)
             self.size += size
+        if self.feedback.isCanceled():
+            return
         if chunk:
             yield chunk
         self.done += self.size

@@ -36,13 +36,13 @@ def read_polygons(geometries: Iterable[QgsGeometry]) -> tuple[Rings, np.ndarray,
     """
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
-        abstract = _straight(geometry)
-        own_extra, is_polygon, multi, _ = _facts(
-            QgsWkbTypes.Type.Unknown if abstract is None else abstract.wkbType()
-        )
+        own_extra, is_polygon, multi, is_curved = _facts(geometry.wkbType())
+        if is_curved:
+            geometry = QgsGeometry(geometry.constGet().segmentize())
+            own_extra, is_polygon, multi, _ = _facts(geometry.wkbType())
         extra.append(own_extra)
         if is_polygon:
-            counts = _find_rings(bytes(abstract.asWkb()), multi, wkb.width(own_extra), runs)
+            counts = _find_rings(geometry.asWkb().data(), multi, wkb.width(own_extra), runs)
             owner += [number] * len(counts)
             ring_counts += counts
     coords, offsets = _without_closing(*_coordinates(runs))

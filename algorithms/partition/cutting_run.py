@@ -19,6 +19,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core import wkb as core_wkb
 from ...core.errors import Cancelled
 from ...core.partition.features import Problem, costs, cuts, pieces, without_vertex
 from ...core.partition.solve import Partition, Prepared, Selection, finish
@@ -187,16 +188,17 @@ class _Writer:
         selected = own & (solution.role == 0)
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
         self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
-        self.sinks.add_all(tool.OUTPUT, self._parts(problem, solution, found, feedback, check))
+        ids = [feature.id() for feature in chunk.features]
+        self.sinks.add_all(tool.OUTPUT, self._parts(problem, solution, found, ids, feedback, check))
         if self.with_cuts:
-            self.sinks.add_all(tool.CUTS, self._cuts(problem, solution, found))
+            self.sinks.add_all(tool.CUTS, self._cuts(problem, solution, found, ids))
         if self.with_diagonals:
-            self.sinks.add_all(tool.DIAGONALS, self._diagonals(problem, solution, own))
+            self.sinks.add_all(tool.DIAGONALS, self._diagonals(problem, solution, own, ids))
 
-    def _parts(self, problem, solution, found, feedback, check):
+    def _parts(self, problem, solution, found, ids, feedback, check):
         """Geometry and values of each part, and the id of its feature."""
         chunk, tool = problem.chunk, self.tool
-        geometries = wkb.polygon_geometries(
+        geometries = core_wkb.polygons(
             chunk.rings.coords,
             found.rows,
             found.offsets,
@@ -211,13 +213,15 @@ class _Writer:
         more = repeat([])
         if self.extra_values is not None:
             more = self.extra_values(problem, solution)
-        values = zip(chunk.features, bounds, bounds[1:], solved.tolist(), cost.tolist(), gap.tolist(), more)
+        values = zip(
+            chunk.features, ids, bounds, bounds[1:], solved.tolist(), cost.tolist(), gap.tolist(), more
+        )
         nothing = [NULL] * len(tool.extra_fields)
-        for f, (feature, lo, hi, is_solved, *numbers, more) in enumerate(values):
+        for f, (feature, number, lo, hi, is_solved, *numbers, more) in enumerate(values):
             if f % 8 == 0:
                 check(f / len(chunk.features))
             text = self.told.reason(feature, verdicts[lo:hi], feedback)
-            attributes, number = feature.attributes(), feature.id()
+            attributes = feature.attributes()
             if is_solved:
                 for k in range(lo, hi):
                     part = [k - lo + 1, hi - lo, str(verdicts[k]), *numbers, number, *more]
@@ -241,26 +245,25 @@ class _Writer:
                     self.tool.OUTPUT, feature.geometry(), feature.attributes() + more, feature.id()
                 )
 
-    def _cuts(self, problem, solution, found):
+    def _cuts(self, problem, solution, found, ids):
         """Geometry and values of each cut, and the id of its feature."""
         chosen, fields = cuts(problem, solution, found)
-        return self._lines(problem, solution, chosen, map(_or_nulls, fields.values()))
+        return self._lines(problem, solution, chosen, ids, map(_or_nulls, fields.values()))
 
-    def _diagonals(self, problem, solution, own):
+    def _diagonals(self, problem, solution, own, ids):
         """The same of all candidates."""
         chosen = np.flatnonzero(own)
         fields = (_or_nulls(x[chosen]) for x in (solution.length, solution.detour, solution.dilation))
         roles = [ROLES[role] for role in solution.role[chosen].tolist()]
-        return self._lines(problem, solution, chosen, [*fields, roles])
+        return self._lines(problem, solution, chosen, ids, [*fields, roles])
 
     @staticmethod
-    def _lines(problem, solution, chosen, columns):
+    def _lines(problem, solution, chosen, ids, columns):
         chunk = problem.chunk
         feature = problem.owner[solution.owner[chosen]].tolist()
         rows, offsets = problem.prepared.way_rows(chosen)
-        geometries = wkb.line_geometries(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
-        numbers = [one.id() for one in chunk.features]
-        numbers = [numbers[f] for f in feature]
+        geometries = core_wkb.lines(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
+        numbers = [ids[f] for f in feature]
         return zip(geometries, map(list, zip(numbers, *columns)), numbers)
 
     def report(self, feedback):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from qgis.core import NULL, QgsProcessingContext, QgsProcessingFeedback, QgsProcessingUtils, QgsWkbTypes
 
+from ...core import wkb as core_wkb
 from ...core.errors import Cancelled
 from ...core.partition.features import without_vertex
 from ...core.partition.nesting import NO_END, cuts, items_of, nest, shapes
@@ -129,7 +130,7 @@ class _Writer:
         feature, edges, fields = cuts(problem, nested)
         feature = feature.tolist()
         rows, offsets = problem.prepared.way_rows(edges)
-        geometries = wkb.line_geometries(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
+        geometries = core_wkb.lines(chunk.rings.coords, rows, [chunk.extra[f] for f in feature], offsets)
         columns = zip(*(x.tolist() for x in fields.values()))
         for f, geometry, (length, detour, *more) in zip(feature, geometries, columns):
             number = chunk.features[f].id()
@@ -163,7 +164,7 @@ def _geometries(problem, nested, items, multi):
     extra = [chunk.extra[f] for f in items.feature.tolist()]
 
     def polygons(which, rows, offsets, ring_offsets):
-        return wkb.polygon_geometries(
+        return core_wkb.polygons(
             chunk.rings.coords, rows, offsets, ring_offsets, [extra[k] for k in which.tolist()], multi
         )
 
