@@ -251,6 +251,36 @@ def test_a_polygon_does_not_depend_on_its_neighbours(engine):
     assert len(engines.triangulate(engine, np.empty((0, 2)), [0], np.empty((0, 2), int), [0])[0]) == 0
 
 
+TOO_CLOSE = 1.0 + np.array([[11, 4], [-17.5, 12], [6, -7.5], [8, 5], [4, 0]]) * 2.0**-52
+
+
+@needs["triangle"]
+def test_triangle_itself_answers_as_its_package_does(monkeypatch):
+    """Also where its own checks fail, and after that."""
+    if not engines._library():
+        pytest.skip("this package of Triangle can only be called as a package")
+    polygons = [from_rings(*s) for s in CASES.values()]
+    ends = [np.column_stack((p.vertex, p.vertex[p.next_corner])) for p in polygons]
+    xy = [p.xy for p in polygons]
+    place = len(xy) // 2
+    xy.insert(place, TOO_CLOSE)
+    ends.insert(place, np.column_stack((np.arange(5), [1, 2, 3, 4, 0])))
+    shift = np.cumsum([0] + [len(one) for one in xy])
+    given = (
+        "triangle",
+        np.concatenate(xy),
+        shift,
+        np.concatenate([one + first for one, first in zip(ends, shift)]),
+        np.cumsum([0] + [len(one) for one in ends]),
+    )
+    itself = engines.triangulate(*given)
+    monkeypatch.setattr(engines, "_library", lambda: None)
+    package = engines.triangulate(*given)
+    assert all(map(np.array_equal, itself, package))
+    assert np.flatnonzero(np.diff(itself[1]) == 0).tolist() == [place]
+    assert any(len(p.offsets) > 2 for p in polygons), "none with a hole"
+
+
 @needs["pythoncdt"]
 @pytest.mark.parametrize(
     "ring",
@@ -360,6 +390,7 @@ def test_vertices_that_triangle_adds_are_no_answer(monkeypatch):
 
     polygon = from_rings(*shapes.SQUARE)
     monkeypatch.setattr(triangle, "triangulate", lambda *_: {"triangles": np.array([[0, 1, 2], [0, 2, 4]])})
+    monkeypatch.setattr(engines, "_library", lambda: None)
     ends = np.column_stack((np.arange(8), [1, 2, 3, 0, 5, 6, 7, 4]))
     found, offsets = engines.triangulate(
         "triangle", np.concatenate((polygon.xy, polygon.xy)), [0, 4, 8], ends, [0, 4, 8]
