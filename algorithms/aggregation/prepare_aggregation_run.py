@@ -13,6 +13,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core import wkb as core_wkb
 from ...core.aggregation.areas import arrange_pieces, joined_rings, neighbours
 from ...core.aggregation.coverage import each_pair, faults
 from ...core.errors import Cancelled, Sentence
@@ -82,10 +83,11 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
     feedback.setProgressText(tr("Finding shared boundaries"))
     found, rings, grown = arrange_pieces(cut.rings, cut.is_new, settings.measure, layer.metres_of(crs))
     layer.tell_scale(feedback, crs, found.coverage.xy, context)
-    _write_pieces(tool, sinks, reader.wkb_type, cut, rings, found.size, grown)
-    empty = _write_empty(tool, sinks, cut)
+    sinks.add_all(tool.OUTPUT, _pieces(reader.wkb_type, cut, rings, found.size, grown))
+    empty = list(_without_pieces(cut))
+    sinks.add_all(tool.OUTPUT, empty)
     if with_table:
-        _write_pairs(tool, sinks, cut, *neighbours(found))
+        sinks.add_all(tool.ADJACENCY, _pairs(cut, *neighbours(found)))
 
     wrong = faults(found.coverage)
     overlaps = each_pair(cut.area[wrong.overlaps])
@@ -93,7 +95,7 @@ def _prepare(tool, parameters, context, feedback, source, sinks):
     report_short(feedback, cut.short)
     return {
         tool.AREA_COUNT: len(cut.features),
-        tool.PIECE_COUNT: len(cut.area) + empty,
+        tool.PIECE_COUNT: len(cut.area) + len(empty),
         tool.SKIPPED_COUNT: skipped,
         tool.OVERLAP_COUNT: len(overlaps),
         tool.GAP_COUNT: len(wrong.gaps),
@@ -177,10 +179,10 @@ def _tell_skipped(cut, feedback):
     return skipped
 
 
-def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
-    """Write the pieces, numbered from 1."""
+def _pieces(wkb_type, cut, rings, size, grown):
+    """Geometry and values of each piece, numbered from 1, and which area it is of."""
     multi, bounds = QgsWkbTypes.isMultiType(wkb_type), cut.bounds
-    geometries = wkb.polygon_geometries(
+    geometries = core_wkb.polygons(
         rings.coords,
         np.arange(len(rings.coords)),
         rings.offsets,
@@ -188,10 +190,13 @@ def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
         [wkb.dimensions(wkb_type)] * len(cut.area),
         multi,
     )
+    before = -1  # the pieces of an area stand together
     for k, (number, reason, own_size, geometry) in enumerate(
         zip(cut.area.tolist(), cut.verdict.tolist(), size.tolist(), geometries)
     ):
-        feature = cut.features[number]
+        if number != before:
+            feature, before = cut.features[number], number
+            attributes, origin = _of_area(feature)
         if reason and bounds[number + 1] - bounds[number] == 1 and not grown[k]:
             # as it came, even with a ring that is not closed
             own = feature.geometry()
@@ -199,33 +204,27 @@ def _write_pieces(tool, sinks, wkb_type, cut, rings, size, grown):
                 geometry = own
                 if multi:
                     geometry.convertToMultiType()
-        _add_piece(tool, sinks, feature, geometry, [k + 1, own_size, reason])
+        yield geometry, [*attributes, k + 1, own_size, str(reason)], origin
 
 
-def _write_empty(tool, sinks, cut):
-    """Write the areas that have no pieces; return how many."""
-    empty = np.flatnonzero(np.diff(cut.bounds) == 0).tolist()
-    for number in empty:
+def _without_pieces(cut):
+    """The same of the areas that have none."""
+    for number in np.flatnonzero(np.diff(cut.bounds) == 0).tolist():
         feature = cut.features[number]
+        attributes, origin = _of_area(feature)
         (reason,) = reasons_of(feature, ())
-        _add_piece(tool, sinks, feature, feature.geometry(), [layer.NULL, 0.0, reason])
-    return len(empty)
+        yield feature.geometry(), [*attributes, layer.NULL, 0.0, str(reason)], origin
 
 
-def _add_piece(tool, sinks, feature, geometry, values):
-    sinks.add(
-        tool.OUTPUT,
-        geometry,
-        [*feature.attributes(), feature.id(), *values],
-        Sentence("area {}", feature.id()),
-    )
+def _of_area(feature):
+    return [*feature.attributes(), feature.id()], Sentence("area {}", feature.id())
 
 
-def _write_pairs(tool, sinks, cut, pairs, length):
-    """Write the table of neighbours."""
+def _pairs(cut, pairs, length):
+    """The rows of the table of neighbours."""
     virtual = (cut.area[pairs[:, 0]] == cut.area[pairs[:, 1]]).astype(int)
     for (a, b), shared, same in zip(pairs.tolist(), length.tolist(), virtual.tolist()):
-        sinks.add(tool.ADJACENCY, None, [a + 1, b + 1, shared, same])
+        yield None, [a + 1, b + 1, shared, same], ""
 
 
 def _report(feedback, kept, overlaps, gaps, classless, most=10):
