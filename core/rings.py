@@ -296,9 +296,11 @@ def shapes(xy: np.ndarray, offsets: np.ndarray, polygon_offsets: np.ndarray) -> 
     >>> shapes(np.array([[0, 0], [2, 0], [2, 1.0]]), np.array([0, 3]), np.array([0, 1]))[0].area
     1.0
     """
-    place, closed_offsets = closed(
-        offsets
-    )  # rings that are closed are taken as they are, without a copy each
+    if len(offsets) > len(polygon_offsets):  # with holes shapely 2.1.0 may crash below (its issue 2291)
+        lines = shapely.linearrings(xy, indices=groups(offsets))
+        return shapely.polygons(lines, indices=groups(polygon_offsets))
+    # closed rings are taken as they are, without a geometry for each ring
+    place, closed_offsets = closed(offsets)
     return shapely.from_ragged_array(
         shapely.GeometryType.POLYGON, xy.take(place, axis=0), (closed_offsets, polygon_offsets)
     )
