@@ -167,6 +167,7 @@ def test_node_leaves_no_crossing(seed):
 def test_frame_triangles(engine, seed, monkeypatch):
     """All points, all segments, and as many triangles as the convex hull has room for."""
     pytest.importorskip(engine)
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
     for other in {"triangle", "pythoncdt"} - {engine}:
         monkeypatch.setitem(sys.modules, other, None)
     rng = np.random.default_rng(seed)
@@ -182,6 +183,7 @@ def test_frame_triangles(engine, seed, monkeypatch):
 
 
 def test_without_an_engine(monkeypatch):
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
     for name in ("triangle", "pythoncdt"):
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.delattr(mesh.shapely, "constrained_delaunay_triangles", raising=False)
