@@ -285,7 +285,8 @@ def _by_pythoncdt(xy, segments):
 def _by_shapely(xy, segments):
     """GEOS triangulates polygons: the faces between the segments and the Delaunay edges that cross none.
 
-    Those edges are part of the constrained triangulation. A face with points inside is not solved.
+    Those edges are part of the constrained triangulation. Points inside a face are joined to near ones that
+    they see, so that there the triangulation need not be Delaunay's.
     """
     points = np.ascontiguousarray(xy).view(np.complex128).ravel()  # in numpy's lexicographic order
     order = np.argsort(points)
@@ -301,12 +302,41 @@ def _by_shapely(xy, segments):
         a, b = tree.query(shapely.linestrings(xy[edges]), predicate="crosses")
         wrong = crossing(xy[edges[a]], xy[segments[b]])
         edges = np.concatenate((segments, np.delete(edges, a[wrong], axis=0)))
-        faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[unique_pairs(edges, len(xy))])))
+        while True:
+            edges = unique_pairs(edges, len(xy))
+            faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(xy[edges])))
+            inside = np.setdiff1d(np.arange(len(xy)), vertices(faces))
+            more = _bridges(xy, edges, inside)
+            if not len(more):
+                break
+            edges = np.concatenate((edges, more))
         large = shapely.get_num_coordinates(faces) > 4
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(faces[large]))
     except shapely.errors.GEOSException:
         return None
     return vertices(np.concatenate((faces[~large], parts))).reshape(-1, 4)[:, :3]
+
+
+def _bridges(xy, edges, inside, most=200):
+    """Up to three edges from some points to near ones that they see: through no point, across no edge.
+
+    O(``most`` n) a point, and there are few.
+    """
+    found = np.empty((0, 2), dtype=np.int64)
+    for v in inside.tolist():
+        here, own = len(found), np.concatenate((edges, found))
+        for w in np.argsort(np.hypot(*(xy - xy[v]).T))[1 : most + 1].tolist():
+            there = (np.sort(own, axis=1) == sorted((v, w))).all(axis=1)
+            through = orientations(*(np.broadcast_to(xy[k], xy.shape) for k in (v, w)), xy) == 0
+            through &= ((xy - xy[v]) * (xy - xy[w])).sum(axis=1) <= 0.0
+            through[[v, w]] = False
+            across = crossing(np.broadcast_to(xy[[v, w]], (len(own), 2, 2)), xy[own])
+            if not (there.any() or through.any() or across.any()):
+                found = np.concatenate((found, [(v, w)]))
+                own = np.concatenate((edges, found))
+                if len(found) == here + 3:
+                    break
+    return found
 
 
 def _counter_clockwise(xy, triangles):

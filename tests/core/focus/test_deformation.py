@@ -166,20 +166,48 @@ def test_node_leaves_no_crossing(seed):
 @pytest.mark.parametrize("engine", ["triangle", "pythoncdt", "shapely"])
 def test_frame_triangles(engine, seed, monkeypatch):
     """All points, all segments, and as many triangles as the convex hull has room for."""
-    pytest.importorskip(engine)
-    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
-    for other in {"triangle", "pythoncdt"} - {engine}:
-        monkeypatch.setitem(sys.modules, other, None)
+    alone(engine, monkeypatch)
     rng = np.random.default_rng(seed)
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     edges = np.concatenate(
         (graph.unique_pairs(rng.integers(4, 44, (20, 2)), 44), [(0, 1), (1, 2), (2, 3), (0, 3)])
     )
     noded = mesh.node(np.concatenate((corners, rng.uniform(0.1, 0.9, (40, 2)))), edges, nothing)
-    triangles = mesh.frame_triangles(noded.xy, noded.edges)
-    assert len(triangles) == 2 * len(noded.xy) - 2 - 4 and (mesh.heights(noded.xy, triangles) > 0.0).all()
-    pairs = graph.unique_pairs(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(noded.xy))
-    assert {tuple(e) for e in noded.edges.tolist()} <= {tuple(e) for e in pairs.tolist()}
+    check_frame_triangles(noded.xy, noded.edges)
+
+
+@pytest.mark.parametrize("engine", ["triangle", "pythoncdt", "shapely"])
+def test_frame_triangles_between_lines_that_hide_points(engine, monkeypatch):
+    """Points, and lines with loose ends, whose nearest neighbours are all behind a line."""
+    alone(engine, monkeypatch)
+    rng = np.random.default_rng(5)
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    rows = [(x, y) for y in np.arange(0.1, 0.9, 0.02) for x in (0.1, 0.9)]
+    height = rng.integers(0, 39, 60) * 0.02 + rng.uniform(0.105, 0.115, 60)
+    between = np.column_stack((rng.uniform(0.2, 0.8, 60), height))
+    lines = [(k, k + 1) for k in range(4, 4 + len(rows), 2)]
+    first = 4 + len(rows)
+    loose = [(first + k, first + k + 1) for k in range(0, 20, 2)]
+    between[1:20:2, 1] = between[0:20:2, 1]
+    edges = np.array(lines + loose + [(0, 1), (1, 2), (2, 3), (0, 3)])
+    noded = mesh.node(
+        np.concatenate((corners, rows, between)), graph.unique_pairs(edges, first + 60), nothing
+    )
+    check_frame_triangles(noded.xy, noded.edges)
+
+
+def alone(engine, monkeypatch):
+    pytest.importorskip(engine)
+    monkeypatch.delenv("ISTHMUS_ENGINE", raising=False)
+    for other in {"triangle", "pythoncdt"} - {engine}:
+        monkeypatch.setitem(sys.modules, other, None)
+
+
+def check_frame_triangles(xy, edges):
+    triangles = mesh.frame_triangles(xy, edges)
+    assert len(triangles) == 2 * len(xy) - 2 - 4 and (mesh.heights(xy, triangles) > 0.0).all()
+    pairs = graph.unique_pairs(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(xy))
+    assert {tuple(e) for e in edges.tolist()} <= {tuple(e) for e in pairs.tolist()}
 
 
 def test_without_an_engine(monkeypatch):

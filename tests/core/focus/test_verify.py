@@ -82,9 +82,11 @@ def test_a_map_that_is_not_one_to_one_is_found(made):
     other = before.copy()
     other[6] += 0.01
     assert faults(result, other, after, starts) == ["a point of the map is no vertex"]
-    skipped = np.delete(np.arange(len(before)), 1)  # a corner of the first ring
-    lines = before[skipped], after[skipped], np.append(0, starts[1:] - 1)
-    assert "a line of the map is no edge of triangles" in faults(result, *lines)
+    said = []
+    for corner in range(1, starts[1] - 1):  # of the first ring; some neighbours may have an edge
+        skipped = np.delete(np.arange(len(before)), corner)
+        said += faults(result, before[skipped], after[skipped], np.append(0, starts[1:] - 1))
+    assert "a line of the map is no edge of triangles" in said
 
 
 @pytest.mark.parametrize("seed", range(3))
