@@ -153,7 +153,7 @@ def _survives(xy, vertex_offsets):
 def _local(vertex_offsets, segments, segment_offsets, dtype):
     """The segments of each polygon by the numbers of its own vertices."""
     shift = spread(vertex_offsets[:-1], segment_offsets)
-    return (segments - shift[:, None]).astype(dtype)
+    return (segments - shift[:, None]).astype(dtype, order="C")
 
 
 def _ring_offsets(segments):
@@ -246,11 +246,13 @@ def _library():
 
 
 def _directly(xy, segments, holes):
-    """Return the function that calls Triangle itself, as `_by_package` does through its package."""
+    """Return the function that calls Triangle itself, as `_by_package` does through its package.
+
+    It reads the arrays by their addresses: they must be C-contiguous, and stay as long as it is called.
+    """
     triangulate, free = _library().triangulate, _library().trifree
     given, found, rest = _Lists(), _Lists(), _Lists()
     arguments = (_OPTIONS.encode(), ctypes.byref(given), ctypes.byref(found), ctypes.byref(rest))
-    holes = np.ascontiguousarray(holes)
     xy_at, segments_at, holes_at = (values.ctypes.data for values in (xy, segments, holes))
 
     def call(v, v_end, s, s_end, h, h_end):
