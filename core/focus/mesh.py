@@ -322,21 +322,20 @@ def _bridges(xy, edges, inside, most=200):
 
     O(``most`` n) a point, and there are few.
     """
-    found = np.empty((0, 2), dtype=np.int64)
+    given = len(edges)
     for v in inside.tolist():
-        here, own = len(found), np.concatenate((edges, found))
+        before = len(edges)
         for w in np.argsort(np.hypot(*(xy - xy[v]).T))[1 : most + 1].tolist():
-            there = (np.sort(own, axis=1) == sorted((v, w))).all(axis=1)
+            there = (np.sort(edges, axis=1) == sorted((v, w))).all(axis=1)
             through = orientations(*(np.broadcast_to(xy[k], xy.shape) for k in (v, w)), xy) == 0
             through &= ((xy - xy[v]) * (xy - xy[w])).sum(axis=1) <= 0.0
             through[[v, w]] = False
-            across = crossing(np.broadcast_to(xy[[v, w]], (len(own), 2, 2)), xy[own])
+            across = crossing(np.broadcast_to(xy[[v, w]], (len(edges), 2, 2)), xy[edges])
             if not (there.any() or through.any() or across.any()):
-                found = np.concatenate((found, [(v, w)]))
-                own = np.concatenate((edges, found))
-                if len(found) == here + 3:
+                edges = np.concatenate((edges, [(v, w)]))
+                if len(edges) == before + 3:
                     break
-    return found
+    return edges[given:]
 
 
 def _counter_clockwise(xy, triangles):
