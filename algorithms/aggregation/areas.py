@@ -18,6 +18,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core import wkb as core_wkb
 from ...core.aggregation import tables
 from ...core.aggregation.areas import Areas, arrange
 from ...core.rings import offsets_of
@@ -144,13 +145,15 @@ def read(reader: Reader, crs: QgsCoordinateReferenceSystem) -> Areas:
 def joined_geometry(areas: Areas, polygons: list[list[np.ndarray]], extra: int, multi: bool) -> QgsGeometry:
     """Return the geometry of joined polygons (see ``coverage.joined``)."""
     made = list(
-        wkb.polygon_geometries(
-            areas.coverage.coords,
-            np.concatenate([ring for rings in polygons for ring in rings]),
-            offsets_of([len(ring) for rings in polygons for ring in rings]),
-            offsets_of([len(rings) for rings in polygons]),
-            [extra] * len(polygons),
-            False,
+        wkb.geometries(
+            core_wkb.polygons(
+                areas.coverage.coords,
+                np.concatenate([ring for rings in polygons for ring in rings]),
+                offsets_of([len(ring) for rings in polygons for ring in rings]),
+                offsets_of([len(rings) for rings in polygons]),
+                [extra] * len(polygons),
+                False,
+            )
         )
     )
     if len(made) == 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+from itertools import repeat
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
+from ...core import wkb as core_wkb
 from ...core.errors import Cancelled, IsthmusError, Sentence
 from ...core.focus.carrying import Carrier, carried, placed
 from ...core.focus.enlarge import enlarge
@@ -33,7 +35,6 @@ from ...core.focus.globe import is_on_the_globe, on_the_globe
 from ...core.focus.graph import match
 from ...core.focus.selection import rule_of
 from ...core.metric import FARTHEST
-from ...core.wkb import joined
 from ..base import counted
 from ..layers import wkb
 from ..layers.fields import make_fields
@@ -127,7 +128,7 @@ def _read(source, feedback):
                 "{:g}: feature {}."
             ).format(FARTHEST, ids)
         )
-    rows, starts, polygons = joined(runs)
+    rows, starts, polygons = core_wkb.joined(runs)
     if len(starts) == 1:
         raise QgsProcessingException(tr("The map has no features with a geometry that can be moved."))
     return _Map(held, runs, rows, starts, polygons)
@@ -283,11 +284,9 @@ def _write_edges(tool, sinks, crs, result):
     before, after = (
         np.hypot(*(xy[result.edges[:, 0]] - xy[result.edges[:, 1]]).T) for xy in (result.points, result.moved)
     )
-    lines = wkb.line_geometries(result.moved, result.edges, [0] * len(result.edges))
-    for line, kind, length, longer in zip(
-        lines, result.kind.tolist(), before.tolist(), (after / before).tolist()
-    ):
-        sinks.add(tool.EDGES_USED, line, [kind, length, longer])
+    lines = core_wkb.lines(result.moved, result.edges, [0] * len(result.edges))
+    values = map(list, zip(result.kind.tolist(), before.tolist(), (after / before).tolist()))
+    sinks.add_all(tool.EDGES_USED, zip(lines, values, repeat("")))
 
 
 def _carry(tool, parameters, context, crs, result, feedback):

@@ -36,10 +36,7 @@ def read_polygons(geometries: Iterable[QgsGeometry]) -> tuple[Rings, np.ndarray,
     """
     owner, extra, runs, ring_counts = [], [], [], []
     for number, geometry in enumerate(geometries):
-        own_extra, is_polygon, multi, is_curved = _facts(geometry.wkbType())
-        if is_curved:
-            geometry = QgsGeometry(geometry.constGet().segmentize())
-            own_extra, is_polygon, multi, _ = _facts(geometry.wkbType())
+        geometry, (own_extra, is_polygon, multi, _) = _straight(geometry)
         extra.append(own_extra)
         if is_polygon:
             counts = _find_rings(geometry.asWkb().data(), multi, wkb.width(own_extra), runs)
@@ -60,11 +57,12 @@ _COUNT = struct.Struct("<I")
 
 
 def _straight(geometry):
-    """A geometry with segments for curves; None if nothing is in it."""
-    if geometry.isNull() or geometry.isEmpty():
-        return None
-    abstract = geometry.constGet()
-    return abstract.segmentize() if _facts(abstract.wkbType())[3] else abstract
+    """A geometry with segments for curves, and the `_facts` of its type."""
+    facts = _facts(geometry.wkbType())
+    if not facts[3]:
+        return geometry, facts
+    geometry = QgsGeometry(geometry.constGet().segmentize())
+    return geometry, _facts(geometry.wkbType())
 
 
 def _find_rings(data, multi, size, runs):
@@ -181,46 +179,9 @@ def line_type(wkb_type: QgsWkbTypes.Type) -> QgsWkbTypes.Type:
     return QgsWkbTypes.addM(kind) if QgsWkbTypes.hasM(wkb_type) else kind
 
 
-def polygon_geometries(
-    coords: np.ndarray,
-    rows: np.ndarray,
-    offsets: np.ndarray,
-    ring_offsets: np.ndarray,
-    extra: Sequence[int],
-    multi: bool,
-) -> Iterator[QgsGeometry]:
-    """Return an iterator of polygons of rings of rows.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rows : (m,) int
-        Rows of all rings, none repeated at its end.
-    offsets, ring_offsets : (r + 1,) int, (p + 1,) int
-        Where each ring starts in ``rows``, and where the rings of each polygon start.
-    extra : (p,) int
-        The `dimensions` of each polygon.
-    multi : bool
-        Whether to wrap the polygons as multipolygons.
-    """
-    return map(_geometry, wkb.polygons(coords, rows, offsets, ring_offsets, extra, multi))
-
-
-def line_geometries(
-    coords: np.ndarray, rows: np.ndarray, extra: Sequence[int], offsets: np.ndarray | None = None
-) -> Iterator[QgsGeometry]:
-    """Return an iterator of lines along rows; see ``core.wkb.lines``.
-
-    Parameters
-    ----------
-    coords : (k, d) float
-    rows : (l, 2) int, or (r,) int
-    extra : (l,) int
-        The `dimensions` of each line.
-    offsets : (l + 1,) int, optional
-        Where the rows of each line begin, if not all have two.
-    """
-    return map(_geometry, wkb.lines(coords, rows, extra, offsets))
+def geometries(data: Iterable[bytes]) -> Iterator[QgsGeometry]:
+    """Return the geometries of WKB, such as ``core.wkb.polygons`` and ``core.wkb.lines`` make."""
+    return map(_geometry, data)
 
 
 class Runs:
@@ -233,9 +194,7 @@ class Runs:
     """
 
     def __init__(self, geometry: QgsGeometry) -> None:
-        abstract = _straight(geometry)
-        data = b"" if abstract is None else bytes(abstract.asWkb())
-        self._runs = wkb.Runs(data)
+        self._runs = wkb.Runs(b"" if geometry.isEmpty() else _straight(geometry)[0].asWkb().data())
         self.counts, self.polygons = self._runs.counts, self._runs.polygons
 
     @property

@@ -23,6 +23,7 @@ from qgis.core import (
 )
 
 from ...core import metric
+from ...core import wkb as core_wkb
 from ...core.errors import Sentence
 from ...core.partition.engines import engine_name, only_engine
 from ...core.partition.features import Chunk, Problem, beyond_the_poles, weigh_by_length
@@ -250,8 +251,8 @@ def weigh_by_expression(
         polygon = prepared.polygons.number[prepared.owner]
         feature_of = chunk.owner[polygon].tolist()
         rows, offsets = prepared.way_rows(np.arange(len(prepared.edges)))
-        geometries = wkb.line_geometries(
-            chunk.rings.coords, rows, [chunk.extra[f] for f in feature_of], offsets
+        geometries = wkb.geometries(
+            core_wkb.lines(chunk.rings.coords, rows, [chunk.extra[f] for f in feature_of], offsets)
         )
         weights, reasons = np.zeros(len(prepared.edges)), {}
         candidate = QgsFeature(fields)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from isthmus.algorithms.layers import wkb
+from isthmus.core import wkb as core_wkb
 from qgis.core import QgsGeometry, QgsWkbTypes
 
 
@@ -21,12 +22,13 @@ def test_round_trip(qgis_app, kind, extra, multi):
     assert rings.polygon_offsets.tolist() == list(range(0, 2 * count + 1, 2))
     assert rings.coords.shape == (6 * count, 2 + len(kind.strip()))
     expected = QgsGeometry.fromWkt(f"MULTIPOLYGON{kind}({body})" if multi else f"POLYGON{kind}{body}")
-    for back in wkb.polygon_geometries(
+    data = core_wkb.polygons(
         rings.coords, np.arange(6 * count), rings.offsets, rings.polygon_offsets, [extra] * count, multi
-    ):
+    )
+    for back in wkb.geometries(data):
         assert back.asWkb() == expected.asWkb()
     ends = np.array([[0, 4]])
-    (line,) = wkb.line_geometries(rings.coords, ends, [extra])
+    (line,) = wkb.geometries(core_wkb.lines(rings.coords, ends, [extra]))
     assert (
         line.asWkb() == QgsGeometry.fromWkt(f"LINESTRING{kind}({rings_text(rings.coords[ends[0]])})").asWkb()
     )

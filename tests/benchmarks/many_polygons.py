@@ -48,17 +48,15 @@ ROUNDS = 3
 def from_rings(polygons):
     """QgsGeometries of (coords, offsets)."""
     from isthmus.algorithms.layers import wkb
+    from isthmus.core import wkb as core_wkb
 
     for coords, offsets in polygons:
         offsets = np.asarray(offsets)
-        yield from wkb.polygon_geometries(
-            np.ascontiguousarray(coords),
-            np.arange(len(coords)),
-            offsets,
-            np.array([0, len(offsets) - 1]),
-            [0],
-            False,
+        rings = np.array([0, len(offsets) - 1])
+        data = core_wkb.polygons(
+            np.ascontiguousarray(coords), np.arange(len(coords)), offsets, rings, [0], False
         )
+        yield from wkb.geometries(data)
 
 
 class Bench:
