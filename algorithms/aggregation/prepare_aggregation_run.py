@@ -204,7 +204,7 @@ def _pieces(wkb_type, cut, rings, size, grown):
                 geometry = own
                 if multi:
                     geometry.convertToMultiType()
-        yield geometry, [*attributes, k + 1, own_size, str(reason)], origin
+        yield geometry, [*attributes, k + 1, own_size, reason], origin
 
 
 def _without_pieces(cut):
@@ -213,7 +213,7 @@ def _without_pieces(cut):
         feature = cut.features[number]
         attributes, origin = _of_area(feature)
         (reason,) = reasons_of(feature, ())
-        yield feature.geometry(), [*attributes, layer.NULL, 0.0, str(reason)], origin
+        yield feature.geometry(), [*attributes, layer.NULL, 0.0, reason], origin
 
 
 def _of_area(feature):

@@ -223,8 +223,7 @@ class Sinks:
         return sink is not None
 
     def add(self, name: str, geometry: QgsGeometry | None, values: list, origin: str | int = "") -> None:
-        """Write a feature; a value may be a `Sentence`. See `add_all`."""
-        values = [str(value) if isinstance(value, Sentence) else value for value in values]
+        """Write a feature; see `add_all`."""
         self.add_all(name, [(geometry, values, origin)])
 
     def add_all(self, name: str, rows: Iterable[tuple[QgsGeometry | bytes | None, list, str | int]]) -> None:
@@ -235,8 +234,7 @@ class Sinks:
         name : str
         rows : iterable of (QgsGeometry, bytes or None; list; str or int)
             The geometry (bytes are WKB) and the values of each, and in a few words what it is a result of: a
-            number is the id of a feature. No value may be a `Sentence`, for Qt takes no subclass of str for a
-            text (`add` looks at each).
+            number is the id of a feature.
         """
         held, add, written = self._held.get(name), self._sinks[name].addFeature, 0
         read = QgsGeometry()  # one for all, for QGIS copies what a feature has before it changes
@@ -249,6 +247,8 @@ class Sinks:
                 geometry = read
             if geometry is not None:
                 feature.setGeometry(geometry)
+            if Sentence in map(type, values):  # Qt takes no subclass of str for a text
+                values = [str(value) if isinstance(value, Sentence) else value for value in values]
             feature.setAttributes(values)
             if held is not None:
                 held.append(feature)

@@ -171,7 +171,7 @@ class _Writer:
         """Write the solution of a chunk, and tell what of it could not be solved."""
         chunk, tool = problem.chunk, self.tool
         found = pieces(problem, solution.parts)
-        cost, bound, _ = costs(problem, solution)
+        cost, bound, gap = costs(problem, solution)
         solved = problem.solved
         self.numbers[tool.COST] += float(cost.sum())
         self.numbers[tool.LOWER_BOUND] += float(bound.sum())
@@ -189,13 +189,15 @@ class _Writer:
         self.numbers[tool.CUT_COUNT] += int(selected.sum())
         self.numbers[tool.CUT_LENGTH] += float(solution.length[selected].sum())
         ids = [feature.id() for feature in chunk.features]
-        self.sinks.add_all(tool.OUTPUT, self._parts(problem, solution, found, ids, feedback, check))
+        self.sinks.add_all(
+            tool.OUTPUT, self._parts(problem, solution, found, ids, cost, gap, feedback, check)
+        )
         if self.with_cuts:
             self.sinks.add_all(tool.CUTS, self._cuts(problem, solution, found, ids))
         if self.with_diagonals:
             self.sinks.add_all(tool.DIAGONALS, self._diagonals(problem, solution, own, ids))
 
-    def _parts(self, problem, solution, found, ids, feedback, check):
+    def _parts(self, problem, solution, found, ids, cost, gap, feedback, check):
         """Geometry and values of each part, and the id of its feature."""
         chunk, tool = problem.chunk, self.tool
         geometries = core_wkb.polygons(
@@ -206,7 +208,6 @@ class _Writer:
             [chunk.extra[f] for f in chunk.owner[found.polygon].tolist()],
             self.multi,
         )
-        cost, _, gap = costs(problem, solution)
         solved = np.bincount(problem.owner[problem.solved], minlength=len(chunk.features)) > 0
         verdicts = problem.verdict[found.polygon].tolist()
         bounds = found.feature_offsets.tolist()
@@ -224,7 +225,7 @@ class _Writer:
             attributes = feature.attributes()
             if is_solved:
                 for k in range(lo, hi):
-                    part = [k - lo + 1, hi - lo, str(verdicts[k]), *numbers, number, *more]
+                    part = [k - lo + 1, hi - lo, verdicts[k], *numbers, number, *more]
                     yield next(geometries), attributes + part, number
                 self.numbers[tool.PART_COUNT] += hi - lo
             else:  # nothing solved: the feature as it is

@@ -120,7 +120,7 @@ class _Writer:
                 if k % 64 == 0:
                     check((f + (k - lo) / (hi - lo)) / count)
                 part, parent, *rest = values[k]
-                more = [part, parent or NULL, *rest, number, str(verdicts[k])]
+                more = [part, parent or NULL, *rest, number, verdicts[k]]
                 yield next(geometries), attributes + more, number
             self.numbers[tool.PART_COUNT] += hi - lo
 
